@@ -1,0 +1,1 @@
+#include "libhdr/align/align.h"

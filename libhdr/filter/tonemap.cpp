@@ -1,0 +1,1 @@
+#include "libhdr/filter/tonemap.h"

@@ -1,0 +1,28 @@
+#pragma once
+// SHOTS -> Bracket: which files, which exposures, and every check that can be made before any computing.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libhdr/core/photo.h"
+#include "libhdr/io/exposure_list.h"
+
+namespace hdr {
+
+struct BracketOptions {
+  std::vector<double> times;            ///< --times: seconds in the order of the files; replaces the time only
+  std::optional<Path> exposures;        ///< --exposures LIST; replaces the whole exposure of the named files
+  ListFormat list_format = ListFormat::kAuto;
+  bool allow_equal_exposures = false;   ///< repeats of one exposure alone (merging with a known response)
+};
+
+/// Files as named; a folder stands for its photographs, sorted by name. An empty folder, a missing file and an empty
+/// list are Errors.
+std::vector<Path> expand_shots(const std::vector<Path>& files_or_folder);
+
+/// Reads the shots (in parallel) into a Bracket, sorted by exposure. Errors: no exposure time, NaN/zero/negative time,
+/// too few or too many times, mixed sizes or bit depths, all exposures equal, the same file twice, a longer exposure
+/// that is darker throughout (two files named), anything read_photo throws.
+Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOptions& options = {});
+
+}  // namespace hdr

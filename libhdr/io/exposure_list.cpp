@@ -1,0 +1,1 @@
+#include "libhdr/io/exposure_list.h"

@@ -1,0 +1,51 @@
+#pragma once
+// Files in. A photograph is read as codes, a map as linear light; the caller says which he wants.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libhdr/core/photo.h"
+#include "libhdr/core/radiance.h"
+
+namespace hdr {
+
+/// 8- or 16-bit codes (JPEG, PNG, TIFF) with EXIF exposure, EXIF orientation applied (the picture is upright), alpha
+/// dropped, grey repeated in three channels. Throws Error: missing, not an image, truncated, float samples (a radiance
+/// map is not a photograph).
+Photo read_photo(const Path& path);
+
+/// Only the exposure and the size: no pixel is decoded.
+struct PhotoHeader {
+  Path path;
+  Size size;
+  int bits = 8;
+  bool lossy = false;
+  Exposure exposure;
+};
+PhotoHeader read_photo_header(const Path& path);
+
+/// Linear float RGB: EXR, HDR, PFM, float TIFF as they are; integer files (PNG, JPEG, ...) decoded from sRGB to linear
+/// [0,1], and a note in `warnings`. NaN and negative samples become 0 and infinities the largest finite sample of the
+/// map, counted in `warnings`; a map without any finite sample is an Error.
+struct ReadMap {
+  RadianceMap map;
+  std::vector<std::string> warnings;
+};
+ReadMap read_map(const Path& path);
+
+/// What is in a file, every pixel read (`hdr info`). Statistics are over all channels; `stops` = log2(max / smallest
+/// positive sample).
+struct FileInfo {
+  Path path;
+  std::string format, type, compression, projection;
+  int width = 0, height = 0, channels = 0;
+  Exposure exposure;
+  double min = 0, max = 0, mean = 0, stops = 0;
+  std::int64_t nan = 0, inf = 0, negative = 0;
+};
+FileInfo read_info(const Path& path);
+
+/// Extensions that SHOTS in a folder may have (lower case, with the dot): photographs, never radiance maps.
+bool is_photo_name(const Path& path);
+
+}  // namespace hdr

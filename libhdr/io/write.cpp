@@ -1,0 +1,1 @@
+#include "libhdr/io/write.h"

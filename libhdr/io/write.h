@@ -1,0 +1,30 @@
+#pragma once
+// Files out, each through OutputFile. The format follows the extension.
+#include <string>
+
+#include "libhdr/core/photo.h"
+#include "libhdr/core/radiance.h"
+
+namespace hdr {
+
+enum class SampleType { kHalf, kFloat };
+
+struct WriteOptions {
+  SampleType type = SampleType::kHalf;  ///< EXR only; others have their own
+  std::string compression = "piz";      ///< EXR: none, rle, zip, zips, piz, pxr24, b44, b44a, dwaa, dwab
+};
+
+/// EXR (with alpha, `stddev` layer, chromaticities, whiteLuminance, hdr:* provenance, hdr:projection and OpenEXR's
+/// `envmap` where it applies), HDR, float TIFF. PNG/JPEG: an error that names `tonemap` (write_picture writes those).
+/// Half that would overflow is an Error naming --type float and the number of pixels.
+void write_map(const Path& path, const RadianceMap& map, const Provenance& provenance = {},
+               const WriteOptions& options = {});
+
+/// 8-bit sRGB picture (PNG or JPEG); `codes` has 3 or 4 channels.
+void write_picture(const Path& path, View<const std::uint8_t> codes);
+
+/// A photograph's codes with its exposure in EXIF (ExposureTime, FNumber, ISO): JPEG (quality, 4:2:0 as cameras
+/// write), PNG 8/16 or TIFF 8/16.
+void write_photo(const Path& path, const Photo& photo, int jpeg_quality = 95);
+
+}  // namespace hdr

@@ -1,0 +1,1 @@
+#include "libhdr/light/environment.h"

@@ -1,0 +1,1 @@
+#include "libhdr/merge/merge.h"

@@ -1,0 +1,40 @@
+#pragma once
+// Bracket + response -> radiance map, on the reference shot's grid.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libhdr/align/align.h"
+#include "libhdr/core/photo.h"
+#include "libhdr/core/radiance.h"
+#include "libhdr/response/response.h"
+
+namespace hdr {
+
+enum class WeightKind { kAuto, kHat, kVariance };
+
+struct MergeOptions {
+  WeightKind weight = WeightKind::kAuto;
+};
+
+struct MergedFrame {
+  bool used = false;
+  std::string skipped;  ///< why the shot carried nothing, e.g. "all black"
+};
+
+/// `clipped` and `dark` count pixels of which a channel is clipped (black) in every shot: their value is a bound. The
+/// radiance of such a clipped pixel is never below what saturates the shortest shot.
+struct Merged {
+  RadianceMap map;
+  std::vector<MergedFrame> frames;  ///< in the order of Bracket::shots
+  std::int64_t clipped = 0;
+  std::int64_t dark = 0;
+  double stops = 0;  ///< log2 of the 99.9 % over the 0.1 % quantile of positive luminance
+};
+
+/// Weighted mean of linear radiance exp(g(Z)) / H. Weights fall to zero at both ends faster than the hat; a clipped
+/// code counts only in the shortest exposure, a black one only in the longest. Never NaN, infinite or negative.
+Merged merge(const Bracket& bracket, const Alignment& alignment, const Response& response,
+             const MergeOptions& options = {});
+
+}  // namespace hdr

@@ -1,0 +1,1 @@
+#include "libhdr/probe/find_ball.h"

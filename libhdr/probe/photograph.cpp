@@ -1,0 +1,1 @@
+#include "libhdr/probe/photograph.h"

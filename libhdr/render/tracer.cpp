@@ -1,0 +1,1 @@
+#include "libhdr/render/tracer.h"

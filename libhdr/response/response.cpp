@@ -1,0 +1,1 @@
+#include "libhdr/response/response.h"
