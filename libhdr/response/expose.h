@@ -10,7 +10,7 @@
 namespace hdr {
 
 struct Sensor {
-  Response response;     ///< ln exposure per code; its largest code is reached at full well
+  Response response;  ///< ln exposure per code; its largest code is reached at full well
   NoiseModel noise;
   double sensitivity = 1;  ///< share of full well that unit radiance fills in a relative exposure H = 1
 };

@@ -11,17 +11,23 @@
 namespace hdr {
 
 /// g sampled at `levels` codes: 256 for 8 bits (sample k = code k); 4096 for deeper photographs (sample k = code
-/// k 2^(bits-12)), linear in between and beyond the last sample. Nondecreasing.
+/// k 2^(bits-12)). Between samples and beyond the last one the exposure exp(g) is linear in the code. Nondecreasing.
+///
+/// Code 0 has no single exposure: it is what rounds to no light. g(0) stands for the middle of that cell, half the
+/// exposure at which code 1/2 is reached, so it is finite.
 struct Response {
   int bits = 8;
   std::array<std::vector<double>, 3> g;  ///< natural logs, R G B
 
   int levels() const { return static_cast<int>(g[0].size()); }
-  double code_from_level(int level) const;                   ///< the code at which sample `level` stands
-  double ln_exposure(int channel, double code) const;        ///< g(code), code in [0, 2^bits - 1]
-  double exposure(int channel, double code) const;           ///< exp(g(code))
+  double code_from_level(int level) const;             ///< the code at which sample `level` stands
+  double ln_exposure(int channel, double code) const;  ///< g(code), code in [0, 2^bits - 1]
+  double exposure(int channel, double code) const;     ///< exp(g(code))
   /// exp(g) for every code 0 .. 2^bits - 1, for table-driven loops.
   std::vector<float> exposure_table(int channel) const;
+  /// exposure_thresholds()[k] is the exposure that stands half-way, in code, between k and k+1: less than it gives
+  /// code k or below. 2^bits - 1 of them, nondecreasing.
+  std::vector<double> exposure_thresholds(int channel) const;
 };
 
 Response linear_response(int bits);
@@ -36,5 +42,8 @@ std::optional<Response> response_from_name(const std::string& name, int bits);
 /// {"format": "hdr-response", "version": 1, "levels": N, "g": {...}, ...}; errors name `source`.
 std::string json_from_response(const Response& response, double rms_log_error = 0);
 Response response_from_json(const std::string& json, const std::string& source);
+
+/// Samples of g that a photograph of this depth has: 256 or 4096.
+int response_levels(int bits);
 
 }  // namespace hdr

@@ -1,0 +1,108 @@
+// [Grossberg03] What can be Known about the Radiometric Response from Images? The response keeps the order of
+// radiances, so the histograms of two shots determine the map from codes to codes between them without registration.
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/parallel.h"
+#include "libhdr/response/internal/observations.h"
+
+namespace hdr {
+namespace {
+
+constexpr int kBins = 1024;  ///< of codes deeper than that
+
+/// Share of a shot's pixels below each code. Code bin b covers [b - 1/2, b + 1/2] `bin_width` codes.
+class Distribution {
+ public:
+  Distribution(const Photo& photo, int channel) {
+    const int bins = std::min(photo.max_code() + 1, kBins);
+    bin_width_ = static_cast<double>(photo.max_code() + 1) / bins;
+    const int shift = std::max(0, photo.bits - 10);
+    using Counts = std::vector<std::int64_t>;
+    const auto counts = std::visit(
+        [&](const auto& image) {
+          return reduce_rows(
+              image.height(), 256, Counts(static_cast<std::size_t>(bins)),
+              [&](int first, int last) {
+                Counts part(static_cast<std::size_t>(bins));
+                for (int y = first; y < last; ++y) {
+                  for (int x = 0; x < image.width(); ++x)
+                    ++part[static_cast<std::size_t>(image(x, y, channel) >> shift)];
+                }
+                return part;
+              },
+              [](Counts& total, const Counts& part) {
+                for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
+              });
+        },
+        photo.codes);
+    below_.push_back(0);
+    for (const std::int64_t count : counts) below_.push_back(below_.back() + static_cast<double>(count));
+    for (double& value : below_) value /= std::max(1.0, below_.back());
+    if (bin_width_ > 1) offset_ = 0.5 * bin_width_ - 0.5;  // the middle of a bin of several codes
+  }
+
+  /// The rank at the middle of a bin.
+  double rank(int bin) const {
+    return 0.5 * (below_[static_cast<std::size_t>(bin)] + below_[static_cast<std::size_t>(bin) + 1]);
+  }
+  double share(int bin) const {
+    return below_[static_cast<std::size_t>(bin) + 1] - below_[static_cast<std::size_t>(bin)];
+  }
+  int bins() const { return static_cast<int>(below_.size()) - 1; }
+  double code(int bin) const { return bin * bin_width_ + offset_; }
+
+  /// The code below which a share `rank` of the pixels lies, its pixels spread evenly over its cell.
+  double quantile(double rank) const {
+    const auto above = std::upper_bound(below_.begin(), below_.end(), rank);
+    const auto bin = std::clamp(static_cast<int>(above - below_.begin()) - 1, 0, bins() - 1);
+    if (share(bin) <= 0) return code(bin);
+    const double inside = (rank - below_[static_cast<std::size_t>(bin)]) / share(bin);
+    return (bin + inside - 0.5) * bin_width_ + offset_;
+  }
+
+ private:
+  double bin_width_ = 1, offset_ = 0;
+  std::vector<double> below_;
+};
+
+Eigen::MatrixXd matched_codes(const Bracket& bracket, int channel) {
+  const auto shots = static_cast<Eigen::Index>(bracket.shots.size());
+  std::vector<Distribution> distributions;
+  for (const Photo& photo : bracket.shots) distributions.emplace_back(photo, channel);
+  // A rank for each second usable code of each shot: they are spread over the codes of the whole bracket.
+  std::vector<double> ranks;
+  for (Eigen::Index j = 0; j < shots; ++j) {
+    const Distribution& d = distributions[static_cast<std::size_t>(j)];
+    const UsableCodes usable = usable_codes(bracket.bits(), true);
+    for (int bin = 0; bin < d.bins(); bin += std::max(2, d.bins() / 128)) {
+      if (usable.contains(d.code(bin)) && d.share(bin) > 0) ranks.push_back(d.rank(bin));
+    }
+  }
+  Eigen::MatrixXd codes = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(ranks.size()), shots, NAN);
+  for (Eigen::Index i = 0; i < codes.rows(); ++i) {
+    for (Eigen::Index j = 0; j < shots; ++j) {
+      const double code = distributions[static_cast<std::size_t>(j)].quantile(ranks[static_cast<std::size_t>(i)]);
+      if (usable_codes(bracket.bits(), true).contains(code)) codes(i, j) = code;
+    }
+  }
+  return codes;
+}
+
+}  // namespace
+
+Observations match_quantiles(const Bracket& bracket) {
+  Observations observations;
+  observations.bits = bracket.bits();
+  observations.ln_exposure.resize(static_cast<Eigen::Index>(bracket.shots.size()));
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
+    observations.ln_exposure[static_cast<Eigen::Index>(j)] = std::log(bracket.shots[j].relative_exposure());
+  }
+  for (int c = 0; c < 3; ++c) {
+    observations.codes[static_cast<std::size_t>(c)] =
+        rows_seen_twice(matched_codes(bracket, c), observations.ln_exposure);
+  }
+  return observations;
+}
+
+}  // namespace hdr
