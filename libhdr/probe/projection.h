@@ -19,7 +19,9 @@ struct Disc {
   double cx = 0, cy = 0, r = 0;
 };
 /// The disc inscribed in a square picture.
-inline Disc inscribed_disc(int width) { return {0.5 * width, 0.5 * width, 0.5 * width}; }
+inline Disc inscribed_disc(int width) {
+  return {0.5 * width, 0.5 * width, 0.5 * width};
+}
 
 struct LatLong {
   static constexpr const char* kName = "latlong";
@@ -38,6 +40,7 @@ struct AngularMap {
 
 /// A mirrored sphere whose outline is `disc`, seen by a camera `distance` ball radii from its centre (infinity: far).
 /// In between, the true ray of the pinhole camera; behind the ball a cone of half-angle asin(1/distance) is unseen.
+/// A distance of 1 or less puts the camera into the ball: Error.
 struct MirrorBall {
   static constexpr const char* kName = "mirror-ball";
   Disc disc;
@@ -60,16 +63,22 @@ using Projection = std::variant<LatLong, AngularMap, MirrorBall, Rectilinear>;
 std::optional<Vec3> dir_from_px(const Projection& projection, const Vec2& px);
 std::optional<Vec2> px_from_dir(const Projection& projection, const Vec3& dir);
 
+/// Throws Error when a projection cannot be: a camera inside its ball, a disc without radius, a field of 180 degrees.
+void require_valid(const Projection& projection);
+
 /// The text of hdr:projection: "latlong", "angular", "mirror-ball cx=1000.5 cy=750 r=600 distance=20", "rectilinear
-/// fov=60". Numbers survive the round trip exactly.
+/// fov=60". Numbers survive the round trip exactly. A far camera has no distance; an angular map that fills its square
+/// has no disc.
 std::string text_from_projection(const Projection& projection);
 
 /// A name ("latlong", "lat-long", "angular", "mirror-ball", "rectilinear") or a text of the above for a picture of this
-/// size; parameters that are absent take their defaults (the inscribed disc, far, 90 degrees). nullopt: unknown.
+/// size; parameters that are absent take their defaults (the inscribed disc, far, 90 degrees). nullopt: unknown name or
+/// parameter. Error: a geometry that cannot be.
 std::optional<Projection> projection_from_text(const std::string& text, Size size);
 
 /// How a probe file is to be read: `--from` if given, else its hdr:projection, else 2:1 is lat-long; else Error that
-/// names --from. `source` is the file's name for the message.
+/// names --from. A bare name in `--from` takes its geometry from a tag of the same name. `source` is the file's name
+/// for the message.
 Projection projection_of_probe(const std::string& from, const std::string& tag, Size size, const std::string& source);
 
 }  // namespace hdr

@@ -1,0 +1,40 @@
+#pragma once
+// A picture read bilinearly at continuous pixel positions, with the neighbourhood its projection gives it.
+#include <optional>
+
+#include "libhdr/core/image.h"
+#include "libhdr/core/vec.h"
+#include "libhdr/probe/projection.h"
+
+namespace hdr::internal {
+
+/// A lat-long wraps at its seam and continues over its poles. Elsewhere taps stay inside the frame, and in a picture
+/// with a disc inside the disc: the background beside a ball is not light that the ball reflected.
+class SourcePicture {
+ public:
+  SourcePicture(View<const float> pixels, const Projection& projection);
+
+  int channels() const { return pixels_.channels(); }
+  bool contains(const Vec2& px) const {
+    return px.x() >= 0 && px.x() <= pixels_.width() && px.y() >= 0 && px.y() <= pixels_.height();
+  }
+
+  /// sum[c] += the bilinear value at px, for each channel.
+  void add(const Vec2& px, double* sum) const;
+
+  /// The displacement b - a in pixels of the sphere: over a lat-long's seam by the short way, its horizontal part
+  /// shortened towards the poles as the circles of latitude are.
+  Vec2 displacement(const Vec2& a, const Vec2& b) const;
+
+ private:
+  void add_inside_disc(const Vec2& px, double* sum) const;
+  const float* latlong_pixel(int x, int y) const;
+  bool in_disc(int x, int y) const;
+  bool near_rim(const Vec2& px) const;
+
+  View<const float> pixels_;
+  bool latlong_;
+  std::optional<Disc> disc_;
+};
+
+}  // namespace hdr::internal

@@ -1,0 +1,256 @@
+#include "libhdr/probe/projection.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "libhdr/core/error.h"
+#include "libhdr/core/sphere.h"
+#include "tests/unit/probe/made_up_environments.h"
+
+namespace hdr {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+// One set of laws for every projection. A case: a projection with what its picture shows of the sphere.
+struct LatLongCase {
+  static LatLong projection() { return {{200, 100}}; }
+  static constexpr double kCovered = 4 * kPi;
+};
+struct AngularMapCase {
+  static AngularMap projection() { return {{101.5, 99, 90}}; }
+  static constexpr double kCovered = 4 * kPi;
+};
+template <int kDistance>  // 0 is far
+struct MirrorBallCase {
+  static MirrorBall projection() { return {{120.25, 99.5, 92}, kDistance == 0 ? kFar : kDistance}; }
+  // All but a cone of half-angle asin(1/D): 2 pi (1 + cos).
+  static inline const double kCovered =
+      kDistance == 0 ? 4 * kPi : 2 * kPi * (1 + std::sqrt(1 - 1.0 / std::max(1, kDistance* kDistance)));
+};
+struct RectilinearCase {
+  static Rectilinear projection() { return {{180, 120}, 75}; }
+  // A pyramid of half-widths a, b at distance 1: 4 asin(sin atan a sin atan b).
+  static inline const double kA = std::tan(37.5 * kDegree), kB = kA * 120 / 180;
+  static inline const double kCovered = 4 * std::asin(std::sin(std::atan(kA)) * std::sin(std::atan(kB)));
+};
+
+template <class Case>
+class EveryProjection : public testing::Test {};
+using Cases = testing::Types<LatLongCase, AngularMapCase, MirrorBallCase<0>, MirrorBallCase<20>, MirrorBallCase<5>,
+                             MirrorBallCase<2>, RectilinearCase>;
+TYPED_TEST_SUITE(EveryProjection, Cases);
+
+TYPED_TEST(EveryProjection, PixelsRoundTripThroughUnitDirections) {
+  const auto projection = TypeParam::projection();
+  int shown = 0;
+  for (double y = 0.37; y < 200; y += 1.93) {
+    for (double x = 0.41; x < 240; x += 1.87) {
+      const Vec2 px(x, y);
+      const auto dir = projection.dir_from_px(px);
+      if (!dir) continue;
+      ++shown;
+      EXPECT_NEAR(dir->norm(), 1, 1e-12) << "at pixel " << px.transpose();
+      const auto back = projection.px_from_dir(*dir);
+      ASSERT_TRUE(back) << "pixel " << px.transpose() << " shows " << dir->transpose() << " but nothing shows that";
+      EXPECT_LT((*back - px).norm(), 1e-8)
+          << "pixel " << px.transpose() << " -> " << dir->transpose() << " -> " << back->transpose();
+    }
+  }
+  EXPECT_GT(shown, 3000);
+}
+
+TYPED_TEST(EveryProjection, DirectionsRoundTripAndCoverTheirShareOfTheSphere) {
+  const auto projection = TypeParam::projection();
+  Random random(3, 1);
+  constexpr int kCount = 40000;
+  int shown = 0;
+  for (int k = 0; k < kCount; ++k) {
+    const Vec3 dir = test::random_direction(random);
+    const auto px = projection.px_from_dir(dir);
+    if (!px) continue;
+    ++shown;
+    const auto back = projection.dir_from_px(*px);
+    ASSERT_TRUE(back) << dir.transpose() << " is shown at " << px->transpose() << ", a pixel that shows nothing";
+    EXPECT_LT((*back - dir).norm(), 1e-7)
+        << dir.transpose() << " -> " << px->transpose() << " -> " << back->transpose();
+  }
+  // The share of uniform directions that is seen is the covered solid angle over 4 pi, within 4 sigma.
+  const double share = TypeParam::kCovered / (4 * kPi);
+  EXPECT_NEAR(shown / double(kCount), share, 4 * std::sqrt(share * (1 - share) / kCount) + 1e-9);
+}
+
+TYPED_TEST(EveryProjection, SolidAnglesAddUpToWhatIsCovered) {
+  const auto projection = TypeParam::projection();
+  // |d dir/dx x d dir/dy| summed over a fine grid of pixel cells; a rim's last cells are missed.
+  constexpr double kStep = 0.25;
+  double total = 0;
+  for (double y = 0; y < 200; y += kStep) {
+    for (double x = 0; x < 240; x += kStep) {
+      const auto a = projection.dir_from_px({x, y}), b = projection.dir_from_px({x + kStep, y});
+      const auto c = projection.dir_from_px({x, y + kStep}), d = projection.dir_from_px({x + kStep, y + kStep});
+      if (!a || !b || !c || !d) continue;
+      const Vec3 diagonal1 = *d - *a, diagonal2 = *c - *b;
+      total += 0.5 * diagonal1.cross(diagonal2).norm();
+    }
+  }
+  EXPECT_NEAR(total / TypeParam::kCovered, 1, 0.03);
+  EXPECT_LT(total, TypeParam::kCovered * 1.0005);
+}
+
+void expect_shows(const Projection& projection, const Vec2& px, const Vec3& dir) {
+  const auto shown = dir_from_px(projection, px);
+  ASSERT_TRUE(shown) << text_from_projection(projection) << " shows nothing at " << px.transpose();
+  EXPECT_LT((*shown - dir).norm(), 1e-9) << text_from_projection(projection) << " at " << px.transpose() << " shows "
+                                         << shown->transpose() << ", not " << dir.transpose();
+}
+
+// Round trips cannot see a mistake that both halves share: these numbers are the conventions of core/sphere.h.
+TEST(Projection, LatLongIsPinned) {
+  const LatLong map{{400, 200}};
+  expect_shows(map, {200, 100}, {0, 0, 1});
+  expect_shows(map, {100, 100}, {1, 0, 0});  // +X is to the left of the centre
+  expect_shows(map, {300, 100}, {-1, 0, 0});
+  expect_shows(map, {123, 0}, {0, 1, 0});
+  expect_shows(map, {0, 100}, {0, 0, -1});
+}
+
+TEST(Projection, AngularMapIsPinned) {
+  const AngularMap map{inscribed_disc(200)};
+  expect_shows(map, {100, 100}, {0, 0, 1});
+  expect_shows(map, {150, 100}, {-1, 0, 0});  // image right = -X
+  expect_shows(map, {100, 50}, {0, 1, 0});
+  expect_shows(map, {200, 100}, {0, 0, -1});
+  EXPECT_FALSE(map.dir_from_px({199, 1}));
+}
+
+TEST(Projection, FarMirrorBallIsPinned) {
+  const MirrorBall ball{{100, 100, 80}};
+  const double s = std::sin(45 * kDegree);
+  expect_shows(ball, {100, 100}, {0, 0, 1});           // the photographer
+  expect_shows(ball, {100 + 80 * s, 100}, {1, 0, 0});  // image right = +X
+  expect_shows(ball, {100, 100 - 80 * s}, {0, 1, 0});
+  expect_shows(ball, {180, 100}, {0, 0, -1});
+  EXPECT_FALSE(ball.dir_from_px({181, 100}));
+}
+
+// The normal at 30 degrees of a ball at D = 2 lies at (.5, 0, .866); from there the camera is at (-.5, 0, 1.134),
+// 23.794 degrees from +Z on the other side, so the ball shows 2 * 30 + 23.794 degrees there. In the picture that is
+// tan(23.794) / tan(asin(1/2)) = .7638 of the radius.
+TEST(Projection, NearMirrorBallIsPinned) {
+  const MirrorBall ball{{100, 100, 80}, 2};
+  const double beta = std::atan2(0.5, 2 - std::sqrt(0.75));
+  EXPECT_NEAR(beta / kDegree, 23.794, 1e-3);
+  const double shown = 60 * kDegree + beta;
+  expect_shows(ball, {100 + 80 * std::tan(beta) * std::sqrt(3.0), 100}, {std::sin(shown), 0, std::cos(shown)});
+  // At the outline the ray grazes: it goes on as it came, 30 degrees from -Z, and what is nearer to -Z is hidden.
+  expect_shows(ball, {180, 100}, {0.5, 0, -std::sqrt(0.75)});
+  EXPECT_FALSE(ball.px_from_dir({std::sin(29 * kDegree), 0, -std::cos(29 * kDegree)}));
+  EXPECT_TRUE(ball.px_from_dir({std::sin(31 * kDegree), 0, -std::cos(31 * kDegree)}));
+}
+
+TEST(Projection, AMirrorBallFarAwayIsAFarMirrorBall) {
+  const MirrorBall far{{100, 100, 80}}, near{{100, 100, 80}, 1e6};
+  for (double x = 22; x < 180; x += 7) {
+    EXPECT_LT((*far.dir_from_px({x, 103}) - *near.dir_from_px({x, 103})).norm(), 1e-5);
+  }
+}
+
+TEST(Projection, MirrorBallInverseIsExactAtAnyDistance) {
+  for (const double distance : {1.0001, 1.05, 1.5, 3.0, 47.0, 1e4}) {
+    const MirrorBall ball{{0, 0, 1}, distance};
+    for (double x = 0; x < 1; x += 0.01) {
+      const auto back = ball.px_from_dir(*ball.dir_from_px({x, 0}));
+      ASSERT_TRUE(back) << "D = " << distance << ", x = " << x;
+      EXPECT_NEAR(back->x(), x, 1e-10) << "D = " << distance;
+    }
+  }
+}
+
+TEST(Projection, RectilinearIsPinned) {
+  const Rectilinear camera{{200, 100}, 90};
+  expect_shows(camera, {100, 50}, {0, 0, 1});
+  expect_shows(camera, {200, 50}, Vec3(-1, 0, 1).normalized());  // image right = -X
+  expect_shows(camera, {100, 0}, Vec3(0, 0.5, 1).normalized());
+  EXPECT_FALSE(camera.px_from_dir({0, 0, -1}));
+}
+
+TEST(Projection, ACameraInsideTheBallIsAnError) {
+  const MirrorBall ball{{100, 100, 80}, 1};
+  EXPECT_THROW(ball.dir_from_px({100, 100}), Error);
+  EXPECT_THROW(ball.px_from_dir({0, 0, 1}), Error);
+  EXPECT_THROW(require_valid(ball), Error);
+}
+
+TEST(ProjectionText, NumbersSurviveExactly) {
+  Random random(7, 1);
+  for (int k = 0; k < 200; ++k) {
+    const Size size{1 + static_cast<int>(random.bits() % 5000), 1 + static_cast<int>(random.bits() % 5000)};
+    const Disc disc{1000 * random.uniform(), 1e-3 * random.uniform(), 1e5 * random.uniform() + 1e-9};
+    const double distance = k % 2 ? kFar : 1 + 50 * random.uniform() + 1e-6;
+    const auto ball =
+        std::get<MirrorBall>(*projection_from_text(text_from_projection(MirrorBall{disc, distance}), size));
+    EXPECT_EQ(ball.disc.cx, disc.cx);
+    EXPECT_EQ(ball.disc.cy, disc.cy);
+    EXPECT_EQ(ball.disc.r, disc.r);
+    EXPECT_EQ(ball.distance, distance);
+    const auto map = std::get<AngularMap>(*projection_from_text(text_from_projection(AngularMap{disc}), size));
+    EXPECT_EQ(map.disc.r, disc.r);
+    const double fov = 1 + 170 * random.uniform();
+    const auto camera =
+        std::get<Rectilinear>(*projection_from_text(text_from_projection(Rectilinear{size, fov}), size));
+    EXPECT_EQ(camera.fov_degrees, fov);
+    EXPECT_EQ(camera.size, size);
+  }
+}
+
+TEST(ProjectionText, IsPinned) {
+  EXPECT_EQ(text_from_projection(LatLong{{8, 4}}), "latlong");
+  EXPECT_EQ(text_from_projection(AngularMap{inscribed_disc(64)}), "angular");
+  EXPECT_EQ(text_from_projection(MirrorBall{{1000.5, 750, 600}, 20}), "mirror-ball cx=1000.5 cy=750 r=600 distance=20");
+  EXPECT_EQ(text_from_projection(Rectilinear{{8, 4}, 60}), "rectilinear fov=60");
+}
+
+TEST(ProjectionText, ABareNameTakesDefaults) {
+  const auto ball = std::get<MirrorBall>(*projection_from_text("mirror-ball", {300, 200}));
+  EXPECT_EQ(ball.disc.cx, 150);
+  EXPECT_EQ(ball.disc.cy, 100);
+  EXPECT_EQ(ball.disc.r, 100);
+  EXPECT_TRUE(std::isinf(ball.distance));
+  EXPECT_EQ(std::get<LatLong>(*projection_from_text("lat-long", {8, 4})).size, (Size{8, 4}));
+}
+
+TEST(ProjectionText, NonsenseIsUnknown) {
+  for (const char* text : {"", "cube", "angular fov=3", "mirror-ball cx", "mirror-ball r=", "mirror-ball r=3x",
+                           "mirror-ball r=nan", "mirror-ball r=3 r=4", "latlong 7"}) {
+    EXPECT_FALSE(projection_from_text(text, {100, 100})) << text;
+  }
+  EXPECT_THROW(projection_from_text("mirror-ball distance=0.5", {100, 100}), Error);
+  EXPECT_THROW(projection_from_text("mirror-ball r=-4", {100, 100}), Error);
+  EXPECT_THROW(projection_from_text("rectilinear fov=180", {100, 100}), Error);
+}
+
+TEST(ProjectionOfProbe, FromThenTagThenShape) {
+  const Size wide{200, 100}, square{100, 100};
+  EXPECT_TRUE(std::holds_alternative<AngularMap>(projection_of_probe("angular", "latlong", wide, "p.exr")));
+  EXPECT_TRUE(std::holds_alternative<AngularMap>(projection_of_probe("", "angular", wide, "p.exr")));
+  EXPECT_TRUE(std::holds_alternative<LatLong>(projection_of_probe("", "", wide, "p.exr")));
+  const Projection ball = projection_of_probe("mirror-ball", "mirror-ball cx=40 cy=50 r=30", square, "p.exr");
+  EXPECT_EQ(std::get<MirrorBall>(ball).disc.r, 30) << "a bare name keeps the geometry that the file carries";
+}
+
+TEST(ProjectionOfProbe, AnErrorNamesTheFileAndTheRemedy) {
+  for (const auto& [from, tag] : {std::pair{"", ""}, std::pair{"cube", ""}, std::pair{"", "cube"}}) {
+    try {
+      projection_of_probe(from, tag, {100, 99}, "p.exr");
+      ADD_FAILURE() << "from '" << from << "', tag '" << tag << "' was accepted";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("p.exr: "), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("--from"), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hdr
