@@ -10,10 +10,10 @@
 namespace hdr {
 
 struct BracketOptions {
-  std::vector<double> times;            ///< --times: seconds in the order of the files; replaces the time only
-  std::optional<Path> exposures;        ///< --exposures LIST; replaces the whole exposure of the named files
+  std::vector<double> times;      ///< --times: seconds in the order of the files; replaces the time only
+  std::optional<Path> exposures;  ///< --exposures LIST; replaces the whole exposure of the named files
   ListFormat list_format = ListFormat::kAuto;
-  bool allow_equal_exposures = false;   ///< repeats of one exposure alone (merging with a known response)
+  bool allow_equal_exposures = false;  ///< repeats of one exposure alone (merging with a known response)
 };
 
 /// Files as named; a folder stands for its photographs, sorted by name. An empty folder, a missing file and an empty

@@ -13,6 +13,7 @@ namespace hdr {
 ///            .hdr_image_list.txt; 3 dB double the exposure), or memorial's own list with a header line that names the
 ///            columns: `Filename exposure 1/shutter_speed f/stop gain(db) ND_filters`
 /// kHdrgen:   path 1/seconds f-number iso 0
+/// Seconds may be written 1/60; a name with spaces stands in double quotes; # begins a comment.
 enum class ListFormat { kAuto, kSeconds, kInverse, kHdrgen };
 
 struct ListedExposure {
@@ -21,8 +22,9 @@ struct ListedExposure {
 };
 
 /// Parses a list. With kAuto a header decides (a column called 1/shutter_speed), else `brightness` (mean code of each
-/// named photograph, absent when unknown): pictures that brighten while the second field falls mean 1/t.
-/// Throws Error: "LIST:7: ...".
+/// named photograph in the order of the lines, absent when unknown): pictures that brighten while the second field
+/// falls mean 1/t, hdrgen's when every fourth field is 25 or more (an ISO speed, no gain in dB). Throws Error: "LIST:7:
+/// ...".
 std::vector<ListedExposure> parse_exposure_list(const std::string& text, const std::string& list_name,
                                                 ListFormat format = ListFormat::kAuto,
                                                 const std::vector<std::optional<double>>& brightness = {});

@@ -1,0 +1,28 @@
+#pragma once
+// Exposure in EXIF: read from what OpenImageIO found, written by ourselves (OpenImageIO 2.4 rounds rationals to six
+// digits, writes no EXIF into PNG, and no ISO into TIFF).
+#include <OpenImageIO/imageio.h>
+
+#include <optional>
+
+#include "libhdr/core/exposure.h"
+#include "libhdr/core/photo.h"
+
+namespace hdr::internal {
+
+/// ExposureTime (else ShutterSpeedValue), FNumber (else ApertureValue), ISO under any of its names. A time that is
+/// zero, negative or not finite is passed on as it stands, for require_usable_time to refuse; an aperture or ISO that
+/// is not positive (lenses without contacts write 0) counts as absent.
+Exposure exposure_from_exif(const OIIO::ImageSpec& spec);
+
+/// Throws Error("FILE: exposure time ... in EXIF; ...") when the time is there and is not a positive number.
+void require_usable_time(const Path& path, const Exposure& exposure);
+
+/// EXIF holds rationals, of which OpenImageIO gives the nearest float: 0.0125f -> 0.0125, 0.01666...f -> 1/60.
+double number_from_exif_float(float value);
+
+/// Puts ExposureTime, FNumber and ISO into a JPEG, PNG or TIFF file just written: an APP1 segment, an eXIf chunk, an
+/// EXIF directory. nd_stops has no place in EXIF and is not written.
+void embed_exposure(const Path& file, const Exposure& exposure);
+
+}  // namespace hdr::internal

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "libhdr/core/error.h"
+#include "libhdr/io/internal/exif.h"
+
+namespace hdr::internal {
+namespace {
+
+std::optional<double> number(const OIIO::ImageSpec& spec, const char* name) {
+  const OIIO::ParamValue* found = spec.find_attribute(name);
+  if (!found) return std::nullopt;
+  if (found->type() == OIIO::TypeDesc::FLOAT) return number_from_exif_float(found->get_float());
+  return static_cast<double>(found->get_float());
+}
+
+std::optional<double> positive(std::optional<double> value) {
+  return value && std::isfinite(*value) && *value > 0 ? value : std::nullopt;
+}
+
+/// APEX, EXIF 2.3 annex C: Tv = -log2 t, Av = 2 log2 N.
+std::optional<double> seconds_from_apex(std::optional<double> tv) {
+  return tv ? std::optional(std::exp2(-*tv)) : std::nullopt;
+}
+std::optional<double> f_number_from_apex(std::optional<double> av) {
+  return av ? std::optional(std::exp2(*av / 2)) : std::nullopt;
+}
+
+std::optional<double> iso_of(const OIIO::ImageSpec& spec) {
+  for (const char* name : {"Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings", "Exif:ISOSpeed",
+                           "Exif:RecommendedExposureIndex", "Exif:StandardOutputSensitivity", "ISOSpeedRatings"}) {
+    constexpr double kSeeAnotherTag = 65535;  // a 16-bit field cannot hold more: EXIF 2.3 keeps the value elsewhere
+    const auto value = positive(number(spec, name));
+    if (value && *value != kSeeAnotherTag) return value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+double number_from_exif_float(float value) {
+  // Decimals as people write them: the shortest text that gives this float back, when it is short.
+  const std::string shortest = fmt::format("{}", value);
+  constexpr std::size_t kShort = 6;
+  const double decimal = std::strtod(shortest.c_str(), nullptr);
+  std::size_t digits = 0;
+  bool leading = true;
+  for (const char c : shortest) {
+    if (c == 'e') break;
+    if (c >= '1' && c <= '9') leading = false;
+    if (!leading && c >= '0' && c <= '9') ++digits;
+  }
+  if (digits <= kShort) return decimal;
+  // Shutter times as cameras write them: 1/n.
+  const double n = std::round(1.0 / value);
+  if (n >= 1 && static_cast<float>(1.0 / n) == value) return 1.0 / n;
+  return value;
+}
+
+Exposure exposure_from_exif(const OIIO::ImageSpec& spec) {
+  Exposure exposure;
+  exposure.seconds = number(spec, "ExposureTime");
+  if (!exposure.seconds) exposure.seconds = seconds_from_apex(number(spec, "Exif:ShutterSpeedValue"));
+  exposure.f_number = positive(number(spec, "FNumber"));
+  if (!exposure.f_number) exposure.f_number = positive(f_number_from_apex(number(spec, "Exif:ApertureValue")));
+  exposure.iso = iso_of(spec);
+  return exposure;
+}
+
+void require_usable_time(const Path& path, const Exposure& exposure) {
+  if (!exposure.seconds || (std::isfinite(*exposure.seconds) && *exposure.seconds > 0)) return;
+  throw Error(fmt::format("{}: the exposure time in EXIF is {} s; pass --times or --exposures", path.string(),
+                          *exposure.seconds));
+}
+
+}  // namespace hdr::internal

@@ -1,0 +1,98 @@
+#include "libhdr/io/internal/oiio.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "libhdr/core/error.h"
+#include "libhdr/core/parallel.h"
+#include "libhdr/io/internal/jpeg_markers.h"
+
+namespace hdr::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// No codec packs more: deflate 1032 samples a byte, run lengths far fewer. A header that promises more is damaged, and
+/// would ask for memory that the picture does not need.
+constexpr double kMostPixelsPerByte = 65536;
+
+void check_file(const Path& path) {
+  std::error_code failed;
+  const fs::file_status status = fs::status(path, failed);
+  if (!fs::exists(status)) throw Error(path.string() + ": no such file; check the name");
+  if (fs::is_directory(status)) throw Error(path.string() + ": is a folder; name a picture in it");
+  if (fs::is_regular_file(status) && fs::file_size(path, failed) == 0) {
+    throw Error(path.string() + ": is empty (0 bytes); copy it again from where it came");
+  }
+}
+
+void check_size(const Path& path, const OIIO::ImageSpec& spec) {
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) {
+    throw Error(path.string() + ": has no pixels; is it damaged?");
+  }
+  std::error_code failed;
+  const auto bytes = static_cast<double>(fs::file_size(path, failed));
+  const double pixels = 1.0 * spec.width * spec.height;
+  if (!failed && pixels > bytes * kMostPixelsPerByte) {
+    throw Error(fmt::format("{}: its header promises {} x {} pixels in {} bytes; is it damaged?", path.string(),
+                            spec.width, spec.height, bytes));
+  }
+}
+
+/// OpenImageIO and OpenEXR keep pools of their own: they get as many threads as we have.
+void share_threads() {
+  OIIO::attribute("threads", threads());
+  OIIO::attribute("exr_threads", threads());
+}
+
+}  // namespace
+
+std::string oiio_message(const std::string& raw, const Path& path) {
+  std::string text = raw.empty() ? "unknown error" : raw;
+  for (const std::string& name : {fmt::format("\"{}\": ", path.string()), fmt::format(" \"{}\"", path.string()),
+                                  fmt::format("{}: ", path.string())}) {
+    if (const auto at = text.find(name); at != std::string::npos) text.erase(at, name.size());
+  }
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+void throw_unreadable(const Path& path, OIIO::ImageInput& input) {
+  throw Error(
+      fmt::format("{}: cannot be read: {}; is it damaged?", path.string(), oiio_message(input.geterror(), path)));
+}
+
+std::unique_ptr<OIIO::ImageInput> open_picture(const Path& path) {
+  check_file(path);
+  check_jpeg(path);
+  share_threads();
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = OIIO::ImageInput::open(path.string(), &config);
+  if (!input) {
+    throw Error(fmt::format("{}: not a picture that can be read: {}; is it a photograph or a map?", path.string(),
+                            oiio_message(OIIO::geterror(), path)));
+  }
+  check_size(path, input->spec());
+  return input;
+}
+
+bool is_lossy(const OIIO::ImageInput& input) {
+  const std::string format = input.format_name();
+  return format == "jpeg" || format == "webp" || format == "heif" ||
+         input.spec().get_string_attribute("compression") == "jpeg";
+}
+
+int orientation_of(const OIIO::ImageSpec& spec) {
+  const int orientation = spec.get_int_attribute("Orientation", 1);
+  return orientation >= 1 && orientation <= 8 ? orientation : 1;
+}
+
+Size upright_size(const OIIO::ImageSpec& spec) {
+  return orientation_of(spec) >= 5 ? Size{spec.height, spec.width} : Size{spec.width, spec.height};
+}
+
+}  // namespace hdr::internal

@@ -1,0 +1,32 @@
+#pragma once
+// OpenImageIO's files, opened with errors that name the file and say what stands in the way.
+#include <OpenImageIO/imageio.h>
+
+#include <memory>
+#include <string>
+
+#include "libhdr/core/image.h"
+#include "libhdr/core/photo.h"
+
+namespace hdr::internal {
+
+/// Opens a picture. Throws Error: missing, a folder, empty, not a picture, a JPEG that ends early, a header that
+/// promises more pixels than such a file can hold. Samples come as stored: alpha is not multiplied in.
+std::unique_ptr<OIIO::ImageInput> open_picture(const Path& path);
+
+/// What OpenImageIO says went wrong, on one line, without the file's name in front.
+std::string oiio_message(const std::string& raw, const Path& path);
+
+/// "FILE: cannot be read: MESSAGE; is it damaged?"
+[[noreturn]] void throw_unreadable(const Path& path, OIIO::ImageInput& input);
+
+/// Whether the format or the compression loses detail (JPEG and its kin).
+bool is_lossy(const OIIO::ImageInput& input);
+
+/// EXIF orientation 1 to 8; anything else counts as 1.
+int orientation_of(const OIIO::ImageSpec& spec);
+
+/// Size of the picture when upright: orientations 5 to 8 lie on their side.
+Size upright_size(const OIIO::ImageSpec& spec);
+
+}  // namespace hdr::internal

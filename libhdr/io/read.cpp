@@ -1,1 +1,0 @@
-#include "libhdr/io/read.h"
