@@ -1,5 +1,6 @@
 #pragma once
 // Registration: where each shot's pixels fall on the reference shot.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,21 @@
 
 namespace hdr {
 
-enum class AlignMethod { kAuto, kNone, kMtb, kEcc, kFeatures };
+enum class AlignMethod {
+  kAuto,      ///< robust Gauss-Newton in log radiance; features where that fails; nothing where the shots lie still
+  kNone,      ///< identity
+  kMtb,       ///< median threshold bitmaps [Ward03], whole pixels
+  kEcc,       ///< enhanced correlation coefficient [Evangelidis08], OpenCV's
+  kFeatures,  ///< ORB features [Rublee11] and their largest consensus
+};
+
+/// "auto", "none", "mtb", "ecc", "features"; nullopt for any other text.
+std::optional<AlignMethod> align_method_from_name(const std::string& name);
 
 /// One row for each shot, in the order of Bracket::shots.
 struct FrameAlignment {
   Mat3 ref_from_photo = Mat3::Identity();  ///< p_ref = ref_from_photo * p_photo, pixel centres at integers
-  double residual_px = 0;                  ///< estimated error of the registration, pixels
+  double residual_px = 0;                  ///< estimated error of the registration, pixels (one standard deviation)
   std::string skipped;                     ///< why this shot was not (or need not be) registered; else empty
 };
 
@@ -27,7 +37,7 @@ struct Alignment {
 
 /// Neighbour to neighbour in exposure order, on linearised and exposure-matched pairs, chained to the reference (the
 /// best-exposed shot). Translations. Shots that are registered already keep the identity, and `skipped` says so with
-/// the measured bound in pixels.
+/// the measured bound in pixels. `response` may be provisional: a gain and a contrast are estimated with each pair.
 Alignment align(const Bracket& bracket, const Response& response, AlignMethod method = AlignMethod::kAuto);
 
 /// Identity for every shot.

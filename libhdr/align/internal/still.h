@@ -1,0 +1,25 @@
+#pragma once
+// Have the shots moved at all? Answered from a small part of the pixels.
+#include <optional>
+#include <vector>
+
+#include "libhdr/align/internal/pair.h"
+
+namespace hdr::internal {
+
+/// A small picture for a search that needs no start: at most 191 pixels on its longer side.
+LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer);
+inline constexpr int kSearchRadius = 10;  ///< pixels of the thumbnail: 5 to 10 % of the picture
+
+/// The motion of a pair that seems to lie still: its thumbnails correlate best unmoved, and tiles at full resolution
+/// measure a small motion. nullopt: it has moved, or this cannot tell.
+struct StillProbe {
+  LogPicture thumbnail, tiles;
+};
+StillProbe still_probe(const Photo& photo, const Linearizer& linearizer);
+std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b);
+
+/// A shift this small and this uncertain is no evidence of motion.
+bool lies_still(const Vec2& shift, double error_px);
+
+}  // namespace hdr::internal

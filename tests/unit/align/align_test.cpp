@@ -1,0 +1,116 @@
+// Registration against motion that is known exactly (simulated_bracket.h).
+#include "libhdr/align/align.h"
+
+#include <gtest/gtest.h>
+
+#include "libhdr/core/parallel.h"
+#include "tests/unit/align/simulated_bracket.h"
+
+namespace hdr::test {
+namespace {
+
+constexpr double kSeen = 0.02;  // share of usable pixels from which a shot must be registered
+
+/// Every shot that shows enough lies within `tolerance` of the truth.
+void expect_registered(const SimulatedBracket& made, const Alignment& found, double tolerance) {
+  ASSERT_EQ(found.frames.size(), made.bracket.shots.size()) << "every shot keeps its row";
+  for (std::size_t k = 0; k < found.frames.size(); ++k) {
+    const double share = usable_share(made.bracket.shots[k]);
+    if (share < kSeen) {
+      EXPECT_EQ(found.frames[k].skipped, "no usable pixels") << "shot " << k << ", usable " << share;
+      continue;
+    }
+    EXPECT_LE(error_px(made, found, k), tolerance)
+        << "shot " << k << ", usable " << share << ", reference " << found.reference << ", own estimate "
+        << found.frames[k].residual_px << " px, skipped '" << found.frames[k].skipped << "'";
+  }
+}
+
+class RandomBracket : public testing::TestWithParam<int> {};
+
+TEST_P(RandomBracket, IsRegisteredToATenthOfAPixel) {
+  SimulationOptions options;
+  options.shots = GetParam() % 2 ? 9 : 7;
+  options.response = GetParam() % 3 ? "srgb" : "film";
+  const SimulatedBracket made = simulate(options, static_cast<std::uint64_t>(GetParam()));
+  expect_registered(made, align(made.bracket, *response_from_name(options.response, 8)), 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomBracket, testing::Range(1, 7));
+
+TEST(Align, TheResidualIsOfTheOrderOfTheTrueError) {
+  int shots = 0, honest = 0;
+  double ratio_squares = 0;
+  for (std::uint64_t seed = 31; seed < 36; ++seed) {
+    SimulationOptions options;
+    options.shots = 7;
+    options.size = {240, 180};
+    const SimulatedBracket made = simulate(options, seed);
+    const Alignment found = align(made.bracket, srgb_response(8));
+    for (std::size_t k = 0; k < found.frames.size(); ++k) {
+      if (static_cast<int>(k) == found.reference || usable_share(made.bracket.shots[k]) < kSeen) continue;
+      ++shots;
+      EXPECT_GT(found.frames[k].residual_px, 0) << "no measurement is free of error";
+      honest += error_px(made, found, k) < 4 * found.frames[k].residual_px + 0.02;
+      ratio_squares += std::pow(error_px(made, found, k) / found.frames[k].residual_px, 2);
+    }
+  }
+  EXPECT_GE(honest, 0.95 * shots) << honest << " of " << shots << " within 4 residuals + 0.02 px";
+  EXPECT_GT(std::sqrt(ratio_squares / shots), 0.2) << "a residual five times the error would be no estimate either";
+}
+
+TEST(Align, ShotsThatLieStillKeepTheIdentityExactlyAndSaySo) {
+  for (const Size size : {Size{400, 300}, Size{257, 211}}) {
+    SimulationOptions options;
+    options.size = size;
+    options.shots = 7;
+    options.largest_shift = 0;
+    const SimulatedBracket made = simulate(options, 41);
+    const Alignment found = align(made.bracket, srgb_response(8));
+    EXPECT_TRUE(found.identity()) << "resampling would blur for nothing";
+    for (const FrameAlignment& frame : found.frames) {
+      EXPECT_FALSE(frame.skipped.empty());
+      EXPECT_LT(frame.residual_px, 0.1) << frame.skipped;
+    }
+    const std::size_t neighbour = static_cast<std::size_t>(found.reference + 1);
+    EXPECT_EQ(found.frames[neighbour].skipped.rfind("registered already, within 0.", 0), 0u)
+        << found.frames[neighbour].skipped;
+  }
+}
+
+TEST(Align, AnyNumberOfThreadsGivesTheSameBits) {
+  const SimulatedBracket made = simulate({}, 51);
+  set_threads(1);
+  const Alignment one = align(made.bracket, srgb_response(8));
+  set_threads(4);
+  const Alignment four = align(made.bracket, srgb_response(8));
+  set_threads(0);
+  for (std::size_t k = 0; k < one.frames.size(); ++k) {
+    EXPECT_EQ(one.frames[k].ref_from_photo, four.frames[k].ref_from_photo) << "shot " << k;
+    EXPECT_EQ(one.frames[k].residual_px, four.frames[k].residual_px) << "shot " << k;
+  }
+}
+
+TEST(Align, EveryMethodIsReal) {
+  SimulationOptions options;
+  options.shots = 5;
+  const SimulatedBracket made = simulate(options, 61);
+  const Response response = srgb_response(8);
+  expect_registered(made, align(made.bracket, response, AlignMethod::kEcc), 0.5);
+  expect_registered(made, align(made.bracket, response, AlignMethod::kFeatures), 0.5);
+  // Whole pixels for each pair, and the truth lies on quarters: half a pixel an axis and pair, four pairs at most.
+  expect_registered(made, align(made.bracket, response, AlignMethod::kMtb), 2.0);
+  EXPECT_TRUE(align(made.bracket, response, AlignMethod::kNone).identity());
+}
+
+TEST(Align, NamesOfMethods) {
+  EXPECT_EQ(align_method_from_name("auto"), AlignMethod::kAuto);
+  EXPECT_EQ(align_method_from_name("none"), AlignMethod::kNone);
+  EXPECT_EQ(align_method_from_name("mtb"), AlignMethod::kMtb);
+  EXPECT_EQ(align_method_from_name("ecc"), AlignMethod::kEcc);
+  EXPECT_EQ(align_method_from_name("features"), AlignMethod::kFeatures);
+  EXPECT_EQ(align_method_from_name("surf"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace hdr::test
