@@ -10,14 +10,16 @@
 
 namespace hdr {
 
-/// Importance sampling of a piecewise-constant lat-long by luminance times solid angle: row marginal, then column
-/// conditional, sums in double. An all-black map samples the sphere uniformly. No pixel with energy is unreachable.
+/// Importance sampling of a lat-long whose pixels are constants, by luminance times solid angle: row marginal, then
+/// column conditional, sums in double; uniform in solid angle inside the pixel, so that pdf = luminance / total
+/// exactly. An all-black map samples the sphere uniformly. A black pixel is never drawn, and every other pixel can be,
+/// as far down as the 53 bits of each component of u tell shares apart.
 class Environment {
  public:
   /// A lat-long with three channels, finite and non-negative (read_map has seen to it).
   explicit Environment(Image<float> latlong);
 
-  /// From any projection, resampled to a lat-long of `width` (0: as fine as the source's middle).
+  /// From any projection, resampled to a lat-long of `width` (0: as fine as the source's middle; a lat-long as it is).
   static Environment from_probe(const RadianceMap& probe, const Projection& projection, int width = 0);
 
   struct Sample {
@@ -26,16 +28,27 @@ class Environment {
     float pdf;  ///< per steradian
   };
 
-  Rgbf radiance(const Vec3f& dir) const;
-  Sample sample(const Vec2& u) const;    ///< u in [0,1)^2
-  float pdf(const Vec3f& dir) const;
-  Vec2 invert(const Vec3f& dir) const;   ///< u with sample(u).dir = dir
+  Sample sample(const Vec2& u) const;     ///< u in [0,1)^2
+  Sample lookup(const Vec3f& dir) const;  ///< the pixel that a direction meets, and its pdf
+  Rgbf radiance(const Vec3f& dir) const { return lookup(dir).radiance; }
+  float pdf(const Vec3f& dir) const { return lookup(dir).pdf; }
+  Vec2 invert(const Vec3f& dir) const;  ///< u with sample(u).dir = dir; where pdf(dir) is 0, the nearest u there is
 
   View<const float> latlong() const { return map_; }
   bool black() const { return total_ == 0; }
   Rgb total_power() const { return power_; }  ///< integral of L over the sphere, per channel
 
  private:
+  struct Pixel {
+    int x, y;
+    Vec2 inside;  ///< share of the pixel's azimuths to the left of the direction, share of its solid angle above
+  };
+  Pixel pixel_of(const Vec3f& dir) const;
+  Sample sample_of(const Vec3f& dir, int x, int y) const;
+  const double* row_conditional(int y) const {
+    return conditional_.data() + static_cast<std::ptrdiff_t>(y) * (map_.width() + 1);
+  }
+
   Image<float> map_;
   std::vector<double> marginal_;     ///< height + 1, from 0 to 1
   std::vector<double> conditional_;  ///< height rows of width + 1, each from 0 to 1

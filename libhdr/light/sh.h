@@ -29,16 +29,18 @@ Sh project(View<const float> rgb, const Projection& projection, int degree);
 /// Radiance of the expansion in a direction.
 Rgb evaluate(const Sh& sh, const Vec3& dir);
 
-/// Irradiance at a surface with unit normal n: E_lm = A_l L_lm with A_l of [Ramamoorthi01] eq. 8 (A_0 = pi, A_1 = 2pi/3,
-/// A_2 = pi/4, 0 for odd l > 1).
+/// Irradiance at a surface with unit normal n: E_lm = A_l L_lm with A_l of [Ramamoorthi01] eq. 8 (A_0 = pi, A_1 =
+/// 2pi/3, A_2 = pi/4, 0 for odd l > 1).
 Rgb irradiance(const Sh& sh, const Vec3& n);
 
 /// The symmetric matrices of E = (n,1)^T M (n,1), one a channel [Ramamoorthi01 eq. 12]; the lecture's eq. 17 with its
 /// last row mended. Degree >= 2 needed for the quadratic part; missing coefficients count as 0.
 std::array<Mat4, 3> irradiance_matrices(const Sh& sh);
 
-/// Bound on |E - E_degree| over all normals, relative to the largest E of the expansion, from the energy the expansion
-/// leaves out: sqrt(sum A_l^2 over omitted l ...) times the map's norm.
+/// Rigorous bound on max |E - E_degree| over all normals, divided by the largest E of the expansion (the worst
+/// channel): the bands that `sh` leaves out, up to degree 12, evaluated over the sphere, plus what lies beyond by
+/// Cauchy-Schwarz or by the flux, whichever is smaller. Never below the true error; 0 for a black map. Directions that
+/// the map does not show count as black.
 double irradiance_error_bound(View<const float> rgb, const Projection& projection, const Sh& sh);
 
 }  // namespace hdr

@@ -1,1 +1,0 @@
-#include "libhdr/light/sh.h"
