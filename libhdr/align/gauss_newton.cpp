@@ -58,10 +58,29 @@ class ShiftedRows {
   std::array<float, 4> taps_x_, taps_y_;
 };
 
-/// The products of one tile's row are gathered here: upper triangle of the Hessian, then the score.
+/// Sums of products over one tile. A pixel touches two neighbouring knots only, so that part of the Hessian is a band.
 struct Products {
-  std::array<double, 10> hessian{};
-  Vec4 score = Vec4::Zero();
+  double xx = 0, xy = 0, yy = 0;
+  std::array<double, kKnots> x_knot{}, y_knot{}, knot{}, next_knot{};
+  Unknowns score = Unknowns::Zero();
+
+  void add_to(Hessian& h) const {
+    h(0, 0) += xx;
+    h(0, 1) += xy;
+    h(1, 0) += xy;
+    h(1, 1) += yy;
+    for (int k = 0; k < kKnots; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      h(0, 2 + k) += x_knot[i];
+      h(2 + k, 0) += x_knot[i];
+      h(1, 2 + k) += y_knot[i];
+      h(2 + k, 1) += y_knot[i];
+      h(2 + k, 2 + k) += knot[i];
+      if (k + 1 == kKnots) break;
+      h(2 + k, 3 + k) += next_knot[i];
+      h(3 + k, 2 + k) += next_knot[i];
+    }
+  }
 };
 
 class RowAccumulator {
@@ -73,31 +92,37 @@ class RowAccumulator {
     const float *above = a_.ln.row(y - 1), *here = a_.ln.row(y), *below = a_.ln.row(y + 1);
     const float* variance_a = a_.variance.row(y);
     const double inverse_cut = 1 / (3 * match_.scale);  // Geman-McClure's constant: 3 sigma
+    const double inverse_step = 1 / match_.step;
     for (int x = first; x < last; ++x) {
       const double variance = static_cast<double>(variance_a[x]) + variance_b[x] + kModelVariance;
       if (!(variance < static_cast<double>(kUnusable))) continue;
-      const double a = here[x], contrast = a - match_.mean;
-      const double residual = ln_b[x] - a - match_.gain - match_.contrast * contrast;
-      const double magnitude = std::abs(residual) / std::sqrt(variance);
+      // The match, between the two knots around a.
+      const double a = here[x], position = std::clamp((a - match_.first) * inverse_step, 0.0, kKnots - 1.001);
+      const auto k = static_cast<std::size_t>(position);
+      const double to_next = position - static_cast<double>(k), to_this = 1 - to_next;
+      const auto row = static_cast<Eigen::Index>(k);
+      const double residual = ln_b[x] - a - to_this * match_.value[row] - to_next * match_.value[row + 1];
       // Geman-McClure: a pixel beyond the cut (moved content, a ghost of compression) fades out of the sum.
-      const double outlying = magnitude * inverse_cut;
+      const double magnitude = std::abs(residual) / std::sqrt(variance), outlying = magnitude * inverse_cut;
       const double fade = 1 / (1 + outlying * outlying);
       const double weight = fade * fade / variance;
       const double gx = 0.5 * (here[x + 1] - here[x - 1]), gy = 0.5 * (below[x] - above[x]);
-      // dr/d(t_x, t_y, gain, contrast) = (gx, gy, -1, -contrast)
-      const double wx = weight * gx, wy = weight * gy, wc = weight * contrast, wr = weight * residual;
-      sums.hessian[0] += wx * gx;
-      sums.hessian[1] += wx * gy;
-      sums.hessian[2] -= wx;
-      sums.hessian[3] -= wx * contrast;
-      sums.hessian[4] += wy * gy;
-      sums.hessian[5] -= wy;
-      sums.hessian[6] -= wy * contrast;
-      sums.hessian[7] += weight;
-      sums.hessian[8] += wc;
-      sums.hessian[9] += wc * contrast;
-      sums.score += Vec4(gx * wr, gy * wr, -wr, -contrast * wr);
-      part.sum_a += a;
+      // dr/d(t_x, t_y, this knot, next knot) = (gx, gy, -to_this, -to_next)
+      const double wx = weight * gx, wy = weight * gy, wr = weight * residual;
+      sums.xx += wx * gx;
+      sums.xy += wx * gy;
+      sums.yy += wy * gy;
+      sums.x_knot[k] -= wx * to_this;
+      sums.x_knot[k + 1] -= wx * to_next;
+      sums.y_knot[k] -= wy * to_this;
+      sums.y_knot[k + 1] -= wy * to_next;
+      sums.knot[k] += weight * to_this * to_this;
+      sums.knot[k + 1] += weight * to_next * to_next;
+      sums.next_knot[k] += weight * to_this * to_next;
+      sums.score[0] += gx * wr;
+      sums.score[1] += gy * wr;
+      sums.score[2 + row] -= to_this * wr;
+      sums.score[3 + row] -= to_next * wr;
       if (++part.pixels % kSampleStep == 0) part.magnitudes.push_back(static_cast<float>(magnitude));
     }
   }
@@ -108,13 +133,7 @@ class RowAccumulator {
 };
 
 void add_tile(Linearization& part, const Products& tile) {
-  int k = 0;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i; j < 4; ++j, ++k) {
-      part.hessian(i, j) += tile.hessian[static_cast<std::size_t>(k)];
-      if (j > i) part.hessian(j, i) = part.hessian(i, j);
-    }
-  }
+  tile.add_to(part.hessian);
   part.score += tile.score;
   part.tile_scores.push_back(tile.score);
 }
@@ -126,6 +145,22 @@ double Linearization::median_magnitude() {
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
   return *middle;
+}
+
+PhotometricMatch unmatched(const LogPicture& a) {
+  float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+  for (int y = 0; y < a.ln.height(); ++y) {
+    for (int x = 0; x < a.ln.width(); ++x) {
+      if (!a.usable(x, y)) continue;
+      low = std::min(low, a.ln(x, y));
+      high = std::max(high, a.ln(x, y));
+    }
+  }
+  PhotometricMatch match;
+  if (low >= high) return match;
+  match.first = low;
+  match.step = (static_cast<double>(high) - low) / (kKnots - 1);
+  return match;
 }
 
 Linearization linearize(const LogPicture& a, const LogPicture& b, const Vec2& t, const PhotometricMatch& match) {
@@ -153,7 +188,6 @@ Linearization linearize(const LogPicture& a, const LogPicture& b, const Vec2& t,
     total.hessian += part.hessian;
     total.score += part.score;
     total.pixels += part.pixels;
-    total.sum_a += part.sum_a;
     total.tile_scores.insert(total.tile_scores.end(), part.tile_scores.begin(), part.tile_scores.end());
     total.magnitudes.insert(total.magnitudes.end(), part.magnitudes.begin(), part.magnitudes.end());
   });

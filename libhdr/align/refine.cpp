@@ -24,50 +24,76 @@ struct Estimate {
   bool enough = false;
 };
 
-/// (J^t W J)^-1, with a trace of regularisation for a constant picture.
-Mat4 inverse_hessian(const Linearization& at) {
-  Mat4 h = at.hessian;
-  h.diagonal() += Vec4::Constant(1e-9 * h.trace() + 1e-12);
-  return h.ldlt().solve(Mat4::Identity());
+/// Knots that few pixels speak for follow their neighbours in a straight line: a faint penalty on second differences.
+Hessian bending_penalty(const Hessian& hessian) {
+  const double strength = 1e-4 * hessian.diagonal().tail<kKnots>().sum() + 1e-12;
+  Hessian penalty = Hessian::Zero();
+  for (int k = 2; k + 2 < kUnknowns; ++k) {
+    Unknowns bend = Unknowns::Zero();
+    bend.segment<3>(k) = Vec3(1, -2, 1);
+    penalty += strength * bend * bend.transpose();
+  }
+  return penalty;
+}
+
+/// A trace of regularisation keeps a constant picture solvable: its shift is then 0, its error huge.
+Hessian inverse_of(Hessian h) {
+  h.diagonal().head<2>().array() += 1e-12;
+  h.diagonal().tail<kKnots>().array() += 1e-9 * h.diagonal().tail<kKnots>().sum() + 1e-12;
+  return h.ldlt().solve(Hessian::Identity());
 }
 
 /// The sandwich of [White80] with tiles as its independent observations: H^-1 (sum s s^t) H^-1. Honest about noise that
 /// neighbours share, moved content and an approximate response alike, since it uses the residuals that are there.
-Mat2 covariance_of_shift(const Linearization& at, const Mat4& inverse) {
-  Mat4 meat = Mat4::Zero();
-  for (const Vec4& s : at.tile_scores) meat += s * s.transpose();
-  return (inverse * meat * inverse).topLeftCorner<2, 2>();
+Mat2 covariance_of_shift(const Linearization& at, const Hessian& inverse) {
+  Mat2 covariance = Mat2::Zero();
+  for (const Unknowns& s : at.tile_scores) {
+    const Vec2 pull = inverse.topRows<2>() * s;
+    covariance += pull * pull.transpose();
+  }
+  return covariance;
 }
 
-/// Iterates (t, gain, contrast) or, when `move` is false, the photometric match alone.
+/// Where Gauss-Newton would go next, without the shift when `move` is false.
+Unknowns step_from(const Linearization& at, const PhotometricMatch& match, bool move, Mat2& covariance) {
+  const Hessian penalty = bending_penalty(at.hessian);
+  Unknowns m = Unknowns::Zero();
+  m.tail<kKnots>() = match.value;
+  const Unknowns slope = at.score + penalty * m;
+  const Hessian inverse = inverse_of(at.hessian + penalty);
+  covariance = covariance_of_shift(at, inverse);
+  if (move) return -(inverse * slope);
+  // With t held, its rows and columns leave the system; what it would have moved is part of its doubt.
+  const Vec2 refused = inverse.topRows<2>() * slope;
+  covariance += refused * refused.transpose();
+  Hessian held = at.hessian + penalty;
+  held.topRows<2>().setZero();
+  held.leftCols<2>().setZero();
+  held.topLeftCorner<2, 2>().setIdentity();
+  Unknowns d = -(inverse_of(held) * slope);
+  d.head<2>().setZero();
+  return d;
+}
+
+/// Iterates (t, match) or, when `move` is false, the photometric match alone.
 Estimate iterate(const LogPicture& a, const LogPicture& b, Estimate e, int iterations, bool move) {
-  constexpr double kConverged = 0.003;
+  constexpr double kConverged = 0.003, kLongestStep = 1.5, kLost = 4;
   const Vec2 start = e.t;
   for (int k = 0; k <= iterations; ++k) {
     Linearization at = linearize(a, b, e.t, e.match);
     e.enough = at.pixels >= kFewestPixels;
     if (!e.enough) return e;
     e.median = at.median_magnitude();
-    const Mat4 inverse = inverse_hessian(at);
-    e.covariance = covariance_of_shift(at, inverse);
+    const Unknowns d = step_from(at, e.match, move, e.covariance);
     if (k == iterations) break;
-    // Solve H d = -J^t W r, and keep each step within the reach of the linearisation.
-    Vec4 d = -(inverse * at.score);
-    if (!move) {
-      const Mat2 h = at.hessian.bottomRightCorner<2, 2>() + 1e-12 * Mat2::Identity();
-      d << 0, 0, -h.ldlt().solve(at.score.tail<2>());
-    }
+    // Each step stays within the reach of the linearisation.
     Vec2 step = d.head<2>();
-    if (step.norm() > 1.5) step *= 1.5 / step.norm();
-    const double mean = at.sum_a / static_cast<double>(at.pixels);
-    const bool settled = step.norm() < kConverged && std::isfinite(e.match.scale);
+    if (step.norm() > kLongestStep) step *= kLongestStep / step.norm();
+    const bool settled = move && step.norm() < kConverged && std::isfinite(e.match.scale);
     e.t += step;
-    e.match.contrast += d[3];
-    e.match.gain += d[2] + e.match.contrast * (mean - e.match.mean);
-    e.match.mean = mean;
+    e.match.value += d.tail<kKnots>();
     e.match.scale = std::max(e.median / kMedianOfNormal, 1e-3);
-    if (settled) break;
-    if ((e.t - start).norm() > 4) break;  // lost; the caller's checks decide
+    if (settled || (e.t - start).norm() > kLost) break;
   }
   return e;
 }
@@ -95,6 +121,7 @@ PairMotion judged(const LogPicture& a, const LogPicture& b, const Estimate& e) {
 
 PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start) {
   Estimate e;
+  if (!a.empty()) e.match = unmatched(a.front());
   int level = static_cast<int>(std::min(a.size(), b.size())) - 1;
   if (level < 0) return failed("no pixels");
   Vec2 shift = start;
@@ -117,6 +144,7 @@ PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPictur
 PairMotion assess_shift(const LogPicture& a, const LogPicture& b, const Vec2& b_from_a) {
   Estimate e;
   e.t = b_from_a / a.cell;
+  e.match = unmatched(a);
   return judged(a, b, iterate(a, b, e, 3, false));
 }
 

@@ -38,6 +38,14 @@ TEST_P(RandomBracket, IsRegisteredToATenthOfAPixel) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomBracket, testing::Range(1, 7));
 
+TEST(Align, AWrongResponseDoesNotPullIt) {
+  SimulationOptions options;
+  options.shots = 7;
+  options.response = "film";
+  const SimulatedBracket made = simulate(options, 21);
+  expect_registered(made, align(made.bracket, gamma_response(8, 2.2)), 0.1);
+}
+
 TEST(Align, TheResidualIsOfTheOrderOfTheTrueError) {
   int shots = 0, honest = 0;
   double ratio_squares = 0;
