@@ -45,6 +45,9 @@ std::int64_t equations(const Eigen::MatrixXd& codes) {
   return codes.array().isFinite().count() - codes.rows();
 }
 
+/// What lies this many standard deviations from a robust fit moved, or is not what its neighbours are.
+constexpr double kOutlier = 5;
+
 /// Robust standard deviation of all residuals: 1.4826 x the median of their sizes.
 double residual_scale(const std::array<Eigen::MatrixXd, 3>& residuals) {
   std::vector<double> sizes;
@@ -98,13 +101,28 @@ std::vector<double> curve_from_fit(const Knots& knots, const Eigen::VectorXd& g,
   return curve;
 }
 
-std::array<CurveFit, 3> fit_channels(const Knots& knots, const Observations& seen, double smoothness, double outliers) {
+std::array<CurveFit, 3> fit_channels(const Knots& knots, const Observations& seen, double smoothness,
+                                     std::optional<double> outlier_scale = {}) {
   std::array<CurveFit, 3> fits;
   for_rows(3, 1, [&](int first, int) {
     const auto c = static_cast<std::size_t>(first);
-    if (seen.codes[c].rows() > 0) fits[c] = fit_curve(knots, seen.codes[c], seen.ln_exposure, smoothness, outliers);
+    if (seen.codes[c].rows() > 0)
+      fits[c] = fit_curve(knots, seen.codes[c], seen.ln_exposure, smoothness, outlier_scale);
   });
   return fits;
+}
+
+/// The spread of the residuals of a robust fit tells outliers from noise; without them plain least squares will do.
+void drop_outliers(Observations& seen, const Knots& knots, const std::array<CurveFit, 3>& fits) {
+  std::array<Eigen::MatrixXd, 3> residuals;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (seen.codes[c].rows() > 0) residuals[c] = weighted_residuals(knots, fits[c].g, seen.codes[c], seen.ln_exposure);
+  }
+  const double limit = std::max(1e-6, kOutlier * residual_scale(residuals));
+  for (std::size_t c = 0; c < 3; ++c) {
+    seen.codes[c] = (residuals[c].array().abs() > limit).select(NAN, seen.codes[c].array()).matrix().eval();
+    seen.codes[c] = rows_seen_twice(seen.codes[c], seen.ln_exposure);
+  }
 }
 
 /// Throws away what cannot determine a curve; says which codes are extrapolated.
@@ -157,16 +175,9 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
   Calibration result;
   result.warnings = check_coverage(seen, knots, bracket);
 
-  // The spread of the residuals of a first fit tells outliers from noise.
-  const std::array<CurveFit, 3> first = fit_channels(knots, seen, smoothness.value_or(kStiff), kWideOutliers);
-  std::array<Eigen::MatrixXd, 3> residuals;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (seen.codes[c].rows() > 0) residuals[c] = weighted_residuals(knots, first[c].g, seen.codes[c], seen.ln_exposure);
-  }
-  const double outliers = std::clamp(3 * residual_scale(residuals), 1e-4, kWideOutliers);
-
-  result.smoothness = smoothness ? *smoothness : choose_smoothness(knots, seen.codes, seen.ln_exposure, outliers);
-  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, result.smoothness, outliers);
+  drop_outliers(seen, knots, fit_channels(knots, seen, smoothness.value_or(kStiff), kWideOutliers));
+  result.smoothness = smoothness ? *smoothness : choose_smoothness(knots, seen.codes, seen.ln_exposure);
+  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, result.smoothness);
   result.converged = true;
   result.response.bits = seen.bits;
   double squares = 0, count = 0;

@@ -85,14 +85,15 @@ ceres::Solver::Options solver_options(const Eigen::VectorXd& ln_radiance, const 
 }  // namespace
 
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                   double smoothness, double outlier_scale) {
+                   double smoothness, std::optional<double> outlier_scale) {
   CurveFit fit;
   // Start from a gamma of 2.2, which most photographs resemble.
   fit.g.resize(knots.count());
   for (int k = 0; k < knots.count(); ++k) fit.g[k] = 2.2 * (knots.u(k) - knots.u(knots.middle()));
   Eigen::VectorXd ln_radiance = Eigen::VectorXd::Zero(codes.rows());
 
-  ceres::CauchyLoss loss(outlier_scale);
+  ceres::CauchyLoss cauchy(outlier_scale.value_or(1));
+  ceres::LossFunction* loss = outlier_scale ? &cauchy : nullptr;
   ceres::Problem::Options options;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(options);
@@ -103,7 +104,7 @@ CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen
       const Knots::Place place = knots.place(codes(i, j));
       ln_radiance[i] += (1 - place.t) * fit.g[place.knot] + place.t * fit.g[place.knot + 1] - ln_exposure[j];
       ++seen;
-      problem.AddResidualBlock(new DataTerm(hat(codes(i, j), knots.max_code()), place.t, ln_exposure[j]), &loss,
+      problem.AddResidualBlock(new DataTerm(hat(codes(i, j), knots.max_code()), place.t, ln_exposure[j]), loss,
                                &ln_radiance[i], &fit.g[place.knot], &fit.g[place.knot + 1]);
     }
     ln_radiance[i] /= std::max(1, seen);

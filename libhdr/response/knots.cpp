@@ -7,7 +7,7 @@ namespace hdr {
 
 Knots::Knots(int bits) : max_code_(std::ldexp(1.0, bits) - 1) {
   if (bits <= 8) {
-    offset_ = 3;
+    offset_ = 0.5;
     middle_ = 1 << (bits - 1);
     for (int code = 0; code <= static_cast<int>(max_code_); ++code) codes_.push_back(code);
   } else {

@@ -5,9 +5,9 @@
 namespace hdr {
 
 UsableCodes usable_codes(int bits, bool lossy) {
-  // In 8-bit terms: 1..251 of 255; JPEG smears what is next to black and white, so 3..249 there.
+  // In 8-bit terms: 2..249 of 255; JPEG smears what is next to black and white, so 4..247 there.
   const double unit = (std::ldexp(1.0, bits) - 1) / 255;
-  return lossy ? UsableCodes{3 * unit, 249 * unit} : UsableCodes{1 * unit, 251 * unit};
+  return lossy ? UsableCodes{4 * unit, 247 * unit} : UsableCodes{2 * unit, 249 * unit};
 }
 
 Eigen::MatrixXd rows_seen_twice(const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure) {

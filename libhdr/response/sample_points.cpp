@@ -128,6 +128,7 @@ std::vector<std::size_t> choose(std::vector<Ranked> ranked, int points) {
 Eigen::MatrixXd channel_codes(const std::vector<WindowCodes>& windows, const std::vector<Candidate>& grid,
                               const Bracket& bracket, const Eigen::VectorXd& ln_exposure, int channel, int points) {
   const auto shots = bracket.shots.size();
+  const double clean_white = std::ldexp(252.0 / 256, bracket.bits());
   Eigen::MatrixXd codes(static_cast<Eigen::Index>(grid.size()), static_cast<Eigen::Index>(shots));
   std::vector<Ranked> ranked;
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -140,7 +141,8 @@ Eigen::MatrixXd channel_codes(const std::vector<WindowCodes>& windows, const std
       if (std::isnan(window.mean)) continue;
       sum += window.mean;
       ++count;
-      if (!usable.contains(window.smallest) || !usable.contains(window.largest)) continue;
+      // The mean decides, so that noise does not: only a window that touches black or white says less than it seems.
+      if (window.smallest < 1 || window.largest > clean_white || !usable.contains(window.mean)) continue;
       code = window.mean;
       roughness = std::max(roughness, static_cast<double>(window.largest - window.smallest));
       least = std::min(least, ln_exposure[static_cast<Eigen::Index>(j)]);

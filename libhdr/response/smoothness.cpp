@@ -11,9 +11,10 @@ namespace {
 
 constexpr int kFolds = 3;
 constexpr double kGrid[] = {1e-4, 1e-3, 1e-2, 1e-1, 1, 10, 100};
+constexpr double kTolerance = 1.1;
 constexpr int kGridSize = static_cast<int>(std::size(kGrid));
 
-/// Cauchy's loss of each held-out residual in units of the outlier scale: count, sum and sum of squares.
+/// The squared residuals of held-out points: count, sum and sum of squares.
 struct Score {
   double count = 0, sum = 0, squares = 0;
   void add(const Score& other) {
@@ -26,17 +27,16 @@ struct Score {
 };
 
 Score held_out_score(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                     double smoothness, double outlier_scale) {
+                     double smoothness) {
   std::vector<Eigen::Index> kept, held_out;
   for (Eigen::Index i = 0; i < codes.rows(); ++i) (i % kFolds == kFolds - 1 ? held_out : kept).push_back(i);
   Score score;
   if (kept.empty() || held_out.empty()) return score;
-  const CurveFit fit = fit_curve(knots, codes(kept, Eigen::all), ln_exposure, smoothness, outlier_scale);
+  const CurveFit fit = fit_curve(knots, codes(kept, Eigen::all), ln_exposure, smoothness);
   const Eigen::MatrixXd residuals = weighted_residuals(knots, fit.g, codes(held_out, Eigen::all), ln_exposure);
   for (const double r : residuals.reshaped()) {
     if (std::isnan(r)) continue;
-    const double loss = std::log1p(r * r / (outlier_scale * outlier_scale));
-    score.add({1, loss, loss * loss});
+    score.add({1, r * r, r * r * r * r});
   }
   return score;
 }
@@ -44,12 +44,12 @@ Score held_out_score(const Knots& knots, const Eigen::MatrixXd& codes, const Eig
 }  // namespace
 
 double choose_smoothness(const Knots& knots, const std::array<Eigen::MatrixXd, 3>& codes,
-                         const Eigen::VectorXd& ln_exposure, double outlier_scale) {
+                         const Eigen::VectorXd& ln_exposure) {
   std::vector<Score> parts(3 * kGridSize);
   for_rows(static_cast<int>(parts.size()), 1, [&](int first, int last) {
     for (int k = first; k < last; ++k) {
       parts[static_cast<std::size_t>(k)] =
-          held_out_score(knots, codes[static_cast<std::size_t>(k % 3)], ln_exposure, kGrid[k / 3], outlier_scale);
+          held_out_score(knots, codes[static_cast<std::size_t>(k % 3)], ln_exposure, kGrid[k / 3]);
     }
   });
   std::vector<Score> scores(kGridSize);
@@ -59,8 +59,8 @@ double choose_smoothness(const Knots& knots, const std::array<Eigen::MatrixXd, 3
     for (int c = 0; c < 3; ++c) score.add(parts[static_cast<std::size_t>(3 * s + c)]);
     if (score.mean() < scores[static_cast<std::size_t>(best)].mean()) best = s;
   }
-  const double limit =
-      scores[static_cast<std::size_t>(best)].mean() + scores[static_cast<std::size_t>(best)].standard_error();
+  const Score& least = scores[static_cast<std::size_t>(best)];
+  const double limit = std::max(kTolerance * least.mean(), least.mean() + least.standard_error());
   int chosen = best;
   for (int s = best; s < kGridSize; ++s) {
     if (scores[static_cast<std::size_t>(s)].mean() <= limit) chosen = s;

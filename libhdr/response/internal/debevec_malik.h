@@ -1,6 +1,7 @@
 #pragma once
 // [Debevec97] eq. 3 for one channel.
 #include <Eigen/Core>
+#include <optional>
 
 #include "libhdr/response/internal/knots.h"
 
@@ -13,11 +14,11 @@ struct CurveFit {
 };
 
 /// Minimises, over g and ln E,
-///   sum_ij rho( w(Z_ij) [g(Z_ij) - ln E_i - ln H_j] ) + smoothness sum_k [w(Z_k) g''(u_k)]^2 du_k,   g(middle) = 0.
-/// rho is Cauchy's loss of scale `outlier_scale`: what moved or was misregistered counts little. `codes(i, j)` is NaN
-/// where shot j does not show point i.
+///   sum_ij { w(Z_ij) [g(Z_ij) - ln E_i - ln H_j] }^2 + smoothness sum_k [w(Z_k) g''(u_k)]^2 du_k,   g(middle) = 0.
+/// With `outlier_scale` the squares of the first sum give way to Cauchy's loss of that scale, and what moved or was
+/// misregistered counts little. `codes(i, j)` is NaN where shot j does not show point i.
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                   double smoothness, double outlier_scale);
+                   double smoothness, std::optional<double> outlier_scale = {});
 
 /// w(Z_ij) [g(Z_ij) - ln E_i - ln H_j], with ln E_i the weighted mean over the shots; NaN where codes are.
 Eigen::MatrixXd weighted_residuals(const Knots& knots, const Eigen::VectorXd& g, const Eigen::MatrixXd& codes,
