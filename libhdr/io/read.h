@@ -26,12 +26,14 @@ PhotoHeader read_photo_header(const Path& path);
 
 /// Linear float RGB: EXR, HDR, PFM, float TIFF as they are; integer files (PNG, JPEG, ...) decoded from sRGB to linear
 /// [0,1], and a note in `warnings`. NaN and negative samples become 0 and infinities the largest finite sample of the
-/// map, counted in `warnings`; a map without any finite sample is an Error.
+/// map, counted in `warnings`; a map without any finite sample is an Error. kKeep leaves all samples as they are, for who
+/// wants to count them himself.
 struct ReadMap {
   RadianceMap map;
   std::vector<std::string> warnings;
 };
-ReadMap read_map(const Path& path);
+enum class NonFinite { kReplace, kKeep };
+ReadMap read_map(const Path& path, NonFinite non_finite = NonFinite::kReplace);
 
 /// What is in a file, every pixel read (`hdr info`). Statistics are over all channels; `stops` = log2(max / smallest
 /// positive sample).

@@ -114,7 +114,7 @@ std::optional<double> white_luminance_of(const OIIO::ImageSpec& spec) {
 
 }  // namespace
 
-ReadMap read_map(const Path& path) try {
+ReadMap read_map(const Path& path, NonFinite non_finite) try {
   const auto input = internal::open_picture(path);
   const OIIO::ImageSpec spec = input->spec();
   const std::string name = path.string();
@@ -129,12 +129,14 @@ ReadMap read_map(const Path& path) try {
     result.warnings.push_back(name + ": integer samples, taken as sRGB and made linear; highlights are clipped at 1");
   }
   if (std::string(input->format_name()) == "hdr") divide(map.rgb, internal::radiance_exposure(path));
-  if (count_oddities(map.rgb).finite == 0) {
-    throw Error(name + ": has no finite sample; the program that wrote it failed, make it again");
+  if (non_finite == NonFinite::kReplace) {
+    if (count_oddities(map.rgb).finite == 0) {
+      throw Error(name + ": all samples are NaN or infinite; the program that wrote it failed, make it again");
+    }
+    sanitise(map.rgb, name, result.warnings);
+    if (!map.alpha.empty()) sanitise(map.alpha, name + " (alpha)", result.warnings);
+    if (!map.stddev.empty()) sanitise(map.stddev, name + " (stddev)", result.warnings);
   }
-  sanitise(map.rgb, name, result.warnings);
-  if (!map.alpha.empty()) sanitise(map.alpha, name + " (alpha)", result.warnings);
-  if (!map.stddev.empty()) sanitise(map.stddev, name + " (stddev)", result.warnings);
 
   internal::place_in_display_window(map, spec, name, result.warnings);
   const int orientation = internal::orientation_of(spec);
