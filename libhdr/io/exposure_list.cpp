@@ -151,23 +151,30 @@ bool fourth_field_is_iso(const std::vector<Line>& entries) {
                      [](const Line& line) { return line.values.size() >= 3 && line.values[2] >= 25; });
 }
 
+const Columns kSecondsColumns = {Column::kSeconds, Column::kFNumber, Column::kIso, Column::kNdStops};
+const Columns kInverseColumns = {Column::kInverseSeconds, Column::kFNumber, Column::kGain, Column::kNdStops};
+const Columns kHdrgenColumns = {Column::kInverseSeconds, Column::kFNumber, Column::kIso, Column::kIgnored};
+
+/// A header that stops early (`name seconds`) means the usual columns after it.
+Columns completed(const Columns& header) {
+  for (const Columns& usual : {kSecondsColumns, kInverseColumns}) {
+    if (header.size() < usual.size() && std::equal(header.begin(), header.end(), usual.begin())) return usual;
+  }
+  return header;
+}
+
 Columns columns_of(const Lines& lines, ListFormat format, const std::vector<std::optional<double>>& brightness) {
   if (format == ListFormat::kAuto) {
-    if (lines.header) return *lines.header;
-    format = ListFormat::kSeconds;
-    if (brightens_while_falling(lines.entries, brightness)) {
-      format = fourth_field_is_iso(lines.entries) ? ListFormat::kHdrgen : ListFormat::kInverse;
-    }
+    if (lines.header) return completed(*lines.header);
+    if (!brightens_while_falling(lines.entries, brightness)) return kSecondsColumns;
+    return fourth_field_is_iso(lines.entries) ? kHdrgenColumns : kInverseColumns;
   }
   const Column time = format == ListFormat::kSeconds ? Column::kSeconds : Column::kInverseSeconds;
   if (lines.header && std::find(lines.header->begin(), lines.header->end(), time) != lines.header->end()) {
-    return *lines.header;
+    return completed(*lines.header);
   }
-  if (format == ListFormat::kSeconds) return {Column::kSeconds, Column::kFNumber, Column::kIso, Column::kNdStops};
-  if (format == ListFormat::kHdrgen) {
-    return {Column::kInverseSeconds, Column::kFNumber, Column::kIso, Column::kIgnored};
-  }
-  return {Column::kInverseSeconds, Column::kFNumber, Column::kGain, Column::kNdStops};
+  if (format == ListFormat::kSeconds) return kSecondsColumns;
+  return format == ListFormat::kHdrgen ? kHdrgenColumns : kInverseColumns;
 }
 
 ListedExposure exposure_from(const Line& line, const Columns& columns, const std::string& list) {

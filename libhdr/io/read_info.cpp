@@ -92,7 +92,7 @@ FileInfo read_info(const Path& path) try {
   info.width = internal::upright_size(spec).width;
   info.height = internal::upright_size(spec).height;
   info.channels = spec.nchannels;
-  info.exposure = internal::exposure_from_exif(spec);
+  info.exposure = internal::exposure_from_exif(*input, path);
   if (s.finite > 0) {
     info.min = s.min;
     info.max = s.max;

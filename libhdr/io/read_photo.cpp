@@ -64,13 +64,13 @@ Image<T> decode_rows(OIIO::ImageInput& input, const Path& path) {
 PhotoHeader decode_photo_header(const Path& path) {
   const auto input = open_picture(path);
   const OIIO::ImageSpec& spec = input->spec();
-  return {path, upright_size(spec), bits_of(spec, path), is_lossy(*input), exposure_from_exif(spec)};
+  return {path, upright_size(spec), bits_of(spec, path), is_lossy(*input), exposure_from_exif(*input, path)};
 }
 
 Photo decode_photo(const Path& path) {
   const auto input = open_picture(path);
   const OIIO::ImageSpec& spec = input->spec();
-  Photo photo{path, exposure_from_exif(spec), bits_of(spec, path), is_lossy(*input), {}};
+  Photo photo{path, exposure_from_exif(*input, path), bits_of(spec, path), is_lossy(*input), {}};
   const int orientation = orientation_of(spec);
   try {
     if (photo.bits == 8) {

@@ -13,7 +13,7 @@ namespace hdr::internal {
 /// ExposureTime (else ShutterSpeedValue), FNumber (else ApertureValue), ISO under any of its names. A time that is
 /// zero, negative or not finite is passed on as it stands, for require_usable_time to refuse; an aperture or ISO that
 /// is not positive (lenses without contacts write 0) counts as absent.
-Exposure exposure_from_exif(const OIIO::ImageSpec& spec);
+Exposure exposure_from_exif(const OIIO::ImageInput& input, const Path& path);
 
 /// Throws Error("FILE: exposure time ... in EXIF; ...") when the time is there and is not a positive number.
 void require_usable_time(const Path& path, const Exposure& exposure);

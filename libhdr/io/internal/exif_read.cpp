@@ -1,3 +1,4 @@
+#include <OpenImageIO/tiffutils.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -5,6 +6,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/io/internal/exif.h"
+#include "libhdr/io/output_file.h"
 
 namespace hdr::internal {
 namespace {
@@ -38,6 +40,14 @@ std::optional<double> iso_of(const OIIO::ImageSpec& spec) {
   return std::nullopt;
 }
 
+/// OpenImageIO 2.4 overlooks the ISO speed of TIFF files, a tag of variable count, but not in an EXIF block; and a TIFF
+/// file is built like one.
+std::optional<double> iso_of_tiff(const Path& path) {
+  OIIO::ImageSpec exif;
+  const std::string bytes = read_text(path);
+  return OIIO::decode_exif(bytes, exif) ? iso_of(exif) : std::nullopt;
+}
+
 }  // namespace
 
 double number_from_exif_float(float value) {
@@ -59,13 +69,15 @@ double number_from_exif_float(float value) {
   return value;
 }
 
-Exposure exposure_from_exif(const OIIO::ImageSpec& spec) {
+Exposure exposure_from_exif(const OIIO::ImageInput& input, const Path& path) {
+  const OIIO::ImageSpec& spec = input.spec();
   Exposure exposure;
   exposure.seconds = number(spec, "ExposureTime");
   if (!exposure.seconds) exposure.seconds = seconds_from_apex(number(spec, "Exif:ShutterSpeedValue"));
   exposure.f_number = positive(number(spec, "FNumber"));
   if (!exposure.f_number) exposure.f_number = positive(f_number_from_apex(number(spec, "Exif:ApertureValue")));
   exposure.iso = iso_of(spec);
+  if (!exposure.iso && std::string(input.format_name()) == "tiff") exposure.iso = iso_of_tiff(path);
   return exposure;
 }
 
