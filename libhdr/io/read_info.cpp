@@ -66,23 +66,12 @@ Statistics statistics_of(const Image<float>& image, double scale) {
                      [](Statistics& total, const Statistics& part) { total.join(part); });
 }
 
-Image<float> all_samples(OIIO::ImageInput& input, const Path& path) {
-  const OIIO::ImageSpec& spec = input.spec();
-  Image<float> image(spec.width, spec.height, spec.nchannels);
-  const auto step = static_cast<OIIO::stride_t>(sizeof(float));
-  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.row(0), step * spec.nchannels,
-                        step * image.stride())) {
-    internal::throw_unreadable(path, input);
-  }
-  return image;
-}
-
 }  // namespace
 
 FileInfo read_info(const Path& path) try {
   const auto input = internal::open_picture(path);
   const OIIO::ImageSpec spec = input->spec();
-  const Statistics s = statistics_of(all_samples(*input, path), scale_of(spec, *input, path));
+  const Statistics s = statistics_of(internal::read_floats(*input, path), scale_of(spec, *input, path));
   FileInfo info;
   info.path = path;
   info.format = input->format_name();

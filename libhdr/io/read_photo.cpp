@@ -42,11 +42,10 @@ Image<T> decode_rows(OIIO::ImageInput& input, const Path& path) {
   Image<T> image(spec.width, spec.height, 3);
   if (spec.tile_width > 0) {
     Image<T> all(spec.width, spec.height, spec.nchannels);
-    if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc(OIIO::BaseTypeFromC<T>::value), all.row(0),
-                          static_cast<OIIO::stride_t>(sizeof(T)) * spec.nchannels,
-                          static_cast<OIIO::stride_t>(sizeof(T)) * all.stride())) {
-      throw_unreadable(path, input);
-    }
+    const bool read = input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc(OIIO::BaseTypeFromC<T>::value),
+                                       all.row(0), static_cast<OIIO::stride_t>(sizeof(T)) * spec.nchannels,
+                                       static_cast<OIIO::stride_t>(sizeof(T)) * all.stride());
+    if (!read || input.has_error()) throw_unreadable(path, input);
     for (int y = 0; y < spec.height; ++y) rgb_from_samples(all.row(y), spec.nchannels, image.row(y), spec.width);
     return image;
   }

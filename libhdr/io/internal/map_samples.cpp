@@ -18,14 +18,6 @@ void copy_channel(const Image<float>& all, int from, Image<float>& plane, int to
   });
 }
 
-void read_all(OIIO::ImageInput& input, const Path& path, Image<float>& into) {
-  const auto step = static_cast<OIIO::stride_t>(sizeof(float));
-  if (!input.read_image(0, 0, 0, into.channels(), OIIO::TypeDesc::FLOAT, into.row(0), step * into.channels(),
-                        step * into.stride())) {
-    throw_unreadable(path, input);
-  }
-}
-
 }  // namespace
 
 ChannelPlan plan_channels(const OIIO::ImageSpec& spec, const Path& path) {
@@ -54,12 +46,12 @@ ChannelPlan plan_channels(const OIIO::ImageSpec& spec, const Path& path) {
 
 void read_samples(OIIO::ImageInput& input, const ChannelPlan& plan, const Path& path, RadianceMap& map) {
   const OIIO::ImageSpec& spec = input.spec();
-  map.rgb = Image<float>(spec.width, spec.height, 3);
-  // The usual file has R, G, B and nothing else: decoded straight into the map.
-  if (spec.nchannels == 3 && plan.rgb == std::array{0, 1, 2}) return read_all(input, path, map.rgb);
-
-  Image<float> all(spec.width, spec.height, spec.nchannels);
-  read_all(input, path, all);
+  Image<float> all = read_floats(input, path);
+  if (spec.nchannels == 3 && plan.rgb == std::array{0, 1, 2}) {  // the usual file has R, G, B and nothing else
+    map.rgb = std::move(all);
+    return;
+  }
+  map.rgb = Image<float>(all.size(), 3);
   for (int c = 0; c < 3; ++c) {
     if (plan.rgb[static_cast<std::size_t>(c)] >= 0)
       copy_channel(all, plan.rgb[static_cast<std::size_t>(c)], map.rgb, c);

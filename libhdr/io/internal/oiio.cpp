@@ -55,8 +55,7 @@ std::string oiio_message(const std::string& raw, const Path& path) {
                                   fmt::format("{}: ", path.string())}) {
     if (const auto at = text.find(name); at != std::string::npos) text.erase(at, name.size());
   }
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  text.erase(std::min(text.size(), text.find('\n')));
   return text;
 }
 
@@ -78,6 +77,16 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const Path& path) {
   }
   check_size(path, input->spec());
   return input;
+}
+
+Image<float> read_floats(OIIO::ImageInput& input, const Path& path) {
+  const OIIO::ImageSpec& spec = input.spec();
+  Image<float> image(spec.width, spec.height, spec.nchannels);
+  const auto step = static_cast<OIIO::stride_t>(sizeof(float));
+  const bool read = input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.row(0),
+                                     step * spec.nchannels, step * image.stride());
+  if (!read || input.has_error()) throw_unreadable(path, input);  // a truncated TIFF is "read", with an error left
+  return image;
 }
 
 bool is_lossy(const OIIO::ImageInput& input) {

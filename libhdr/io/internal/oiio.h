@@ -14,11 +14,14 @@ namespace hdr::internal {
 /// promises more pixels than such a file can hold. Samples come as stored: alpha is not multiplied in.
 std::unique_ptr<OIIO::ImageInput> open_picture(const Path& path);
 
-/// What OpenImageIO says went wrong, on one line, without the file's name in front.
+/// What OpenImageIO says went wrong, its first line, without the file's name in front.
 std::string oiio_message(const std::string& raw, const Path& path);
 
 /// "FILE: cannot be read: MESSAGE; is it damaged?"
 [[noreturn]] void throw_unreadable(const Path& path, OIIO::ImageInput& input);
+
+/// Decodes all channels as float (integer samples as fractions of the full scale) straight into our rows. Throws Error.
+Image<float> read_floats(OIIO::ImageInput& input, const Path& path);
 
 /// Whether the format or the compression loses detail (JPEG and its kin).
 bool is_lossy(const OIIO::ImageInput& input);

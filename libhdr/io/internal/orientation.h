@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "libhdr/core/image.h"
 #include "libhdr/core/parallel.h"
 
@@ -15,16 +17,14 @@ Image<T> upright(Image<T> stored, int orientation) {
   const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
   Image<T> turned(on_its_side ? h : w, on_its_side ? w : h, channels);
-  const auto copy_pixel = [&](int x, int y) {
-    const int column = on_its_side ? y : x, row = on_its_side ? x : y;
-    const T* from = stored.pixel(from_right ? w - 1 - column : column, from_bottom ? h - 1 - row : row);
-    T* to = turned.pixel(x, y);
-    for (int c = 0; c < channels; ++c) to[c] = from[c];
-  };
   // A turned picture is read along its columns: strips of 32 rows keep both sides in the cache.
   for_rows(turned.height(), 32, [&](int first, int last) {
     for (int x = 0; x < turned.width(); ++x) {
-      for (int y = first; y < last; ++y) copy_pixel(x, y);
+      for (int y = first; y < last; ++y) {
+        const int column = on_its_side ? y : x, row = on_its_side ? x : y;
+        const T* from = stored.pixel(from_right ? w - 1 - column : column, from_bottom ? h - 1 - row : row);
+        std::copy_n(from, channels, turned.pixel(x, y));
+      }
     }
   });
   return turned;

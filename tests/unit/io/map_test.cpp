@@ -255,8 +255,12 @@ TEST(ForeignExr, OddSamplesAreMendedAndCounted) {
   EXPECT_EQ(rgb(0, 1, 0), 0) << "minus infinity";
   EXPECT_NE(mended.warnings.at(0).find("2 NaN and 2 negative samples became 0, 1 infinite ones 7"), std::string::npos)
       << mended.warnings.at(0);
+  const RadianceMap as_it_is = read_map(scratch / "a.exr", NonFinite::kKeep).map;
+  const Image<float>& kept = as_it_is.rgb;
+  EXPECT_TRUE(std::isnan(kept(0, 0, 0)) && std::isinf(kept(1, 0, 1)) && kept(1, 0, 0) == -3);
   write_with_oiio(scratch / "b.exr", float_spec(1, 1, {"R", "G", "B"}), {nan, nan, nan});
-  EXPECT_NE(error_of([&] { read_map(scratch / "b.exr"); }).find("b.exr: has no finite sample"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_map(scratch / "b.exr"); }).find("b.exr: all samples are NaN or infinite"),
+            std::string::npos);
 }
 
 TEST(ForeignExr, TheDataWindowIsPlacedInTheDisplayWindow) {
