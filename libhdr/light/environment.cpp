@@ -12,8 +12,6 @@
 namespace hdr {
 namespace {
 
-constexpr double kBelowOne = 1 - 0x1p-53;
-
 double pixel_luminance(const float* p) {
   return luminance<double>(p[0], p[1], p[2]);
 }
@@ -24,26 +22,20 @@ double share_above(double polar) {
   return s * s;
 }
 
-// Running sums of `count` weights -> a distribution function from exactly 0 to exactly 1; all zero stays zero.
-double normalise_running_sums(double* sums, int count) {
-  const double total = sums[count];
-  if (total > 0) std::transform(sums, sums + count + 1, sums, [&](double s) { return s / total; });
-  return total;
-}
+// Places in a lat-long, continuous in the column and in the share of the row's solid angle.
+struct Place {
+  int x, y;
+  double across, down;  ///< 0..1 inside the pixel
+};
 
-// The step of a distribution function that u falls into. Steps of zero height are never met: u is in [low, high).
-int step_of(const double* distribution, int count, double u) {
-  const double* above = std::upper_bound(distribution, distribution + count + 1, u);
-  return std::clamp(static_cast<int>(above - distribution) - 1, 0, count - 1);
-}
-
-double share_of_step(const double* distribution, int step, double u) {
-  const double low = distribution[step], high = distribution[step + 1];
-  return high > low ? std::clamp((u - low) / (high - low), 0.0, kBelowOne) : 0.5;
-}
-
-double inside_step(const double* distribution, int step, double share) {
-  return std::min(distribution[step] + share * (distribution[step + 1] - distribution[step]), kBelowOne);
+Place place_of(const Vec3f& dir, Size size) {
+  const Vec2 uv = latlong_from_dir(dir.cast<double>());
+  const double column = uv.x() * size.width;
+  const int x = std::clamp(static_cast<int>(column), 0, size.width - 1);
+  const int y = std::clamp(static_cast<int>(uv.y() * size.height), 0, size.height - 1);
+  const double top = share_above(kPi * y / size.height), bottom = share_above(kPi * (y + 1) / size.height);
+  const double down = (share_above(kPi * uv.y()) - top) / (bottom - top);
+  return {x, y, std::clamp(column - x, 0.0, 1.0), std::clamp(down, 0.0, 1.0)};
 }
 
 }  // namespace
@@ -51,36 +43,34 @@ double inside_step(const double* distribution, int step, double share) {
 Environment::Environment(Image<float> latlong) : map_(std::move(latlong)) {
   HDR_ASSERT(map_.channels() == 3 && !map_.empty());
   const int width = map_.width(), height = map_.height();
-  marginal_.assign(static_cast<std::size_t>(height) + 1, 0);
-  conditional_.assign(static_cast<std::size_t>(height) * (static_cast<std::size_t>(width) + 1), 0);
+  columns_.resize(static_cast<std::size_t>(height));
   std::vector<Rgb> row_sum(static_cast<std::size_t>(height), Rgb::Zero());
-  std::vector<double> row_luminance(static_cast<std::size_t>(height), 0);
   for_rows(height, 16, [&](int first, int last) {
+    std::vector<double> weights(static_cast<std::size_t>(width));
     for (int y = first; y < last; ++y) {
-      double* sums = conditional_.data() + static_cast<std::ptrdiff_t>(y) * (width + 1);
+      const auto row = static_cast<std::size_t>(y);
       for (int x = 0; x < width; ++x) {
         const float* p = map_.pixel(x, y);
-        sums[x + 1] = sums[x] + pixel_luminance(p);
-        row_sum[static_cast<std::size_t>(y)] += Rgb(p[0], p[1], p[2]);
+        weights[static_cast<std::size_t>(x)] = pixel_luminance(p);
+        row_sum[row] += Rgb(p[0], p[1], p[2]);
       }
-      row_luminance[static_cast<std::size_t>(y)] = normalise_running_sums(sums, width);
+      columns_[row] = StepDistribution(weights);
     }
   });
+  std::vector<double> row_weights, row_solid_angles;
   for (int y = 0; y < height; ++y) {
     const auto row = static_cast<std::size_t>(y);
-    const double solid_angle = latlong_pixel_solid_angle(y, width, height);
-    power_ += solid_angle * row_sum[row];
-    marginal_[row + 1] = marginal_[row] + solid_angle * row_luminance[row];
+    row_solid_angles.push_back(latlong_pixel_solid_angle(y, width, height));
+    row_weights.push_back(row_solid_angles[row] * columns_[row].total());
+    power_ += row_solid_angles[row] * row_sum[row];
   }
-  total_ = normalise_running_sums(marginal_.data(), height);
+  rows_ = StepDistribution(row_weights);
+  total_ = rows_.total();
   if (total_ > 0) return;
-  // A black map: the same tables of a map of ones, which is uniform over the sphere.
-  for (int y = 0; y <= height; ++y) {
-    marginal_[static_cast<std::size_t>(y)] = y == height ? 1 : share_above(kPi * y / height);
-    if (y == height) continue;
-    double* row = conditional_.data() + static_cast<std::ptrdiff_t>(y) * (width + 1);
-    for (int x = 0; x <= width; ++x) row[x] = static_cast<double>(x) / width;
-  }
+  // A black map: the tables of a map of ones, which is uniform over the sphere.
+  rows_ = StepDistribution(row_solid_angles);
+  const StepDistribution uniform(std::vector<double>(static_cast<std::size_t>(width), 1.0));
+  std::fill(columns_.begin(), columns_.end(), uniform);
 }
 
 Environment Environment::from_probe(const RadianceMap& probe, const Projection& projection, int width) {
@@ -104,38 +94,27 @@ Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y) const
 
 Environment::Sample Environment::sample(const Vec2& u) const {
   const int width = map_.width(), height = map_.height();
-  const int y = step_of(marginal_.data(), height, u.y());
-  const double* conditional = row_conditional(y);
-  const int x = step_of(conditional, width, u.x());
-  const double azimuth = 2 * kPi * (0.5 - (x + share_of_step(conditional, x, u.x())) / width);
+  const StepDistribution::Step row = rows_.step_of(u.y());
+  const StepDistribution::Step column = columns_[static_cast<std::size_t>(row.index)].step_of(u.x());
+  const double azimuth = 2 * kPi * (0.5 - (column.index + column.inside) / width);
   // Uniform in solid angle: linear in the share of the sphere above, h = sin^2(theta / 2).
-  const double top = share_above(kPi * y / height), bottom = share_above(kPi * (y + 1) / height);
-  const double h = top + share_of_step(marginal_.data(), y, u.y()) * (bottom - top);
+  const double top = share_above(kPi * row.index / height), bottom = share_above(kPi * (row.index + 1) / height);
+  const double h = top + row.inside * (bottom - top);
   const double sine = 2 * std::sqrt(h * (1 - h));
   const Vec3 dir(sine * std::sin(azimuth), 1 - 2 * h, sine * std::cos(azimuth));
-  return sample_of(dir.cast<float>(), x, y);
-}
-
-Environment::Pixel Environment::pixel_of(const Vec3f& dir) const {
-  const int width = map_.width(), height = map_.height();
-  const Vec2 uv = latlong_from_dir(dir.cast<double>());
-  const double column = uv.x() * width;
-  const int x = std::clamp(static_cast<int>(column), 0, width - 1);
-  const int y = std::clamp(static_cast<int>(uv.y() * height), 0, height - 1);
-  const double top = share_above(kPi * y / height), bottom = share_above(kPi * (y + 1) / height);
-  const double below_top = (share_above(kPi * uv.y()) - top) / (bottom - top);
-  return {x, y, {std::clamp(column - x, 0.0, 1.0), std::clamp(below_top, 0.0, 1.0)}};
+  return sample_of(dir.cast<float>(), column.index, row.index);
 }
 
 Environment::Sample Environment::lookup(const Vec3f& dir) const {
-  const Pixel pixel = pixel_of(dir);
-  return sample_of(dir, pixel.x, pixel.y);
+  const Vec2 uv = latlong_from_dir(dir.cast<double>());
+  return sample_of(dir, std::min(static_cast<int>(uv.x() * map_.width()), map_.width() - 1),
+                   std::min(static_cast<int>(uv.y() * map_.height()), map_.height() - 1));
 }
 
 Vec2 Environment::invert(const Vec3f& dir) const {
-  const Pixel pixel = pixel_of(dir);
-  return {inside_step(row_conditional(pixel.y), pixel.x, pixel.inside.x()),
-          inside_step(marginal_.data(), pixel.y, pixel.inside.y())};
+  const Place place = place_of(dir, map_.size());
+  return {columns_[static_cast<std::size_t>(place.y)].invert({place.x, place.across}),
+          rows_.invert({place.y, place.down})};
 }
 
 }  // namespace hdr

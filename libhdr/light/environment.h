@@ -6,6 +6,7 @@
 #include "libhdr/core/image.h"
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/light/step_distribution.h"
 #include "libhdr/probe/projection.h"
 
 namespace hdr {
@@ -39,20 +40,12 @@ class Environment {
   Rgb total_power() const { return power_; }  ///< integral of L over the sphere, per channel
 
  private:
-  struct Pixel {
-    int x, y;
-    Vec2 inside;  ///< share of the pixel's azimuths to the left of the direction, share of its solid angle above
-  };
-  Pixel pixel_of(const Vec3f& dir) const;
   Sample sample_of(const Vec3f& dir, int x, int y) const;
-  const double* row_conditional(int y) const {
-    return conditional_.data() + static_cast<std::ptrdiff_t>(y) * (map_.width() + 1);
-  }
 
   Image<float> map_;
-  std::vector<double> marginal_;     ///< height + 1, from 0 to 1
-  std::vector<double> conditional_;  ///< height rows of width + 1, each from 0 to 1
-  double total_ = 0;                 ///< integral of luminance
+  StepDistribution rows_;                  ///< by luminance times solid angle
+  std::vector<StepDistribution> columns_;  ///< of each row, by luminance
+  double total_ = 0;                       ///< integral of luminance
   Rgb power_ = Rgb::Zero();
 };
 

@@ -11,9 +11,10 @@
 
 namespace hdr {
 
-/// kMc: cosine-stratified directions, eq. 9 of the lecture with its 1/(N M) and visibility. kImportance: directions from
-/// the probe. kMis: both, weighted by the balance heuristic [Veach95]. kSh: irradiance from nine coefficients, no
-/// shadows (diffuse only). kAuto: kMis.
+/// kMc: cosine-stratified directions, eq. 9 of the lecture with its 1/(N M) and visibility. kImportance: directions
+/// from the probe. kMis: both, weighted by the balance heuristic [Veach95]. kSh: irradiance from nine coefficients, no
+/// shadows, on diffuse materials; other materials as kMis. kAuto: kMis. Light reaches a surface straight from the
+/// probe; only mirrors show other objects.
 enum class RenderMethod { kAuto, kMc, kImportance, kMis, kSh };
 std::optional<RenderMethod> render_method_from_name(const std::string& name);
 const char* name_of(RenderMethod method);
@@ -21,20 +22,24 @@ const char* name_of(RenderMethod method);
 struct RenderOptions {
   RenderMethod method = RenderMethod::kAuto;
   Size size{640, 480};
-  int samples = 64;  ///< per pixel
+  int samples = 64;  ///< directions per pixel, shared out over camera rays jittered in the pixel
   std::uint64_t seed = 1;
   std::function<void(double done)> progress;  ///< share of the picture, 0..1, from any thread
 };
 
 struct Rendering {
-  RadianceMap picture;             ///< rgb with the probe as backdrop where alpha is 0; alpha = coverage
-  RenderMethod method{};           ///< what kAuto became
+  RadianceMap picture;    ///< rgb with the probe as backdrop where alpha is 0; alpha = coverage
+  RenderMethod method{};  ///< what kAuto became
   std::int64_t rays = 0;
   double samples_per_pixel = 0;
-  double estimated_error = 0;      ///< rms over covered pixels of standard error / value, from the samples themselves
+  /// Rms over fully covered, lit pixels of the standard error of luminance divided by its value, from the spread of the
+  /// pixel's independent camera rays. One sample a pixel has no spread: 1, nothing is known.
+  double estimated_error = 0;
+  std::string skipped;  ///< what was not needed, why, and the bound on the error; empty: nothing was skipped
 };
 
-/// Unshadowed rays are not traced where nothing can occlude; same bytes for any thread count.
+/// No shadow rays are traced where nothing can occlude; same bytes for any thread count. Throws Error when the size or
+/// the samples are not positive or the camera looks nowhere.
 Rendering render(const Scene& scene, const Environment& light, const RenderOptions& options = {});
 
 }  // namespace hdr

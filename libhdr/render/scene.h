@@ -14,7 +14,7 @@ enum class MaterialKind { kDiffuse, kGgx, kMirror };
 struct Material {
   MaterialKind kind = MaterialKind::kDiffuse;
   Rgbf color = Rgbf::Constant(0.5f);  ///< albedo, or specular colour at normal incidence
-  float roughness = 0.3f;             ///< GGX alpha = roughness^2
+  float roughness = 0.3f;             ///< in [0, 1]; GGX alpha = roughness^2
 };
 
 /// "diffuse:0.5", "ggx:0.3", "mirror"; throws Error.
@@ -22,15 +22,15 @@ Material material_from_text(const std::string& text);
 
 struct Mesh {
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;  ///< smooth, one a position; empty: flat
-  std::vector<std::uint32_t> indices;
+  std::vector<Vec3f> normals;          ///< smooth, one a position; empty: flat
+  std::vector<std::uint32_t> indices;  ///< three a triangle, counter-clockwise seen from outside
   Material material;
 };
 
 struct Camera {
   Vec3f eye{0, 1.5f, 6};
   Vec3f look{0, 0.8f, 0};
-  double fov_degrees = 40;  ///< horizontal
+  double fov_degrees = 40;  ///< horizontal, in (0, 180)
 };
 
 struct Scene {

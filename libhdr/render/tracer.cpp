@@ -1,1 +1,169 @@
 #include "libhdr/render/tracer.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace hdr {
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+RTCRay ray_from(const Vec3f& origin, const Vec3f& dir) {
+  RTCRay ray{};
+  ray.org_x = origin.x();
+  ray.org_y = origin.y();
+  ray.org_z = origin.z();
+  ray.dir_x = dir.x();
+  ray.dir_y = dir.y();
+  ray.dir_z = dir.z();
+  ray.tnear = 0;
+  ray.tfar = kFar;
+  ray.mask = ~0u;
+  return ray;
+}
+
+struct Triangle {
+  std::array<Vec3f, 3> p;
+  std::array<Vec3f, 3> n;  ///< zero where the mesh is flat
+
+  Vec3f geometric() const { return (p[1] - p[0]).cross(p[2] - p[0]); }
+  float extent() const {
+    return std::max({p[0].cwiseAbs().maxCoeff(), p[1].cwiseAbs().maxCoeff(), p[2].cwiseAbs().maxCoeff()});
+  }
+};
+
+Triangle triangle_of(const Mesh& mesh, std::size_t primitive) {
+  Triangle triangle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = mesh.indices[3 * primitive + k];
+    triangle.p[k] = mesh.positions[vertex];
+    triangle.n[k] = mesh.normals.empty() ? Vec3f(Vec3f::Zero()) : mesh.normals[vertex];
+  }
+  return triangle;
+}
+
+// A point of a facet lies inside the smooth surface that the facet stands for, and rays that the shading normal calls
+// visible would meet neighbouring facets: a dark ring where light grazes. Moved to the mean of its projections on the
+// tangent planes of the vertices, weighted as the point is, it lies on or outside the smooth surface [Hanika21].
+Vec3f lifted_to_smooth_surface(const Triangle& triangle, const std::array<float, 3>& weights, const Vec3f& point,
+                               float side) {
+  Vec3f lift = Vec3f::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3f n = side * triangle.n[k];
+    lift -= weights[k] * std::min(0.0f, (point - triangle.p[k]).dot(n)) * n;
+  }
+  return point + lift;
+}
+
+// A smooth normal may look away from a viewer who sees the facet at a grazing angle: bent back to his horizon.
+Vec3f bent_towards(const Vec3f& viewer, const Vec3f& normal) {
+  constexpr float kHorizon = 1e-3f;
+  const float cosine = normal.dot(viewer);
+  if (cosine >= kHorizon) return normal;
+  return (normal + (kHorizon - cosine) * viewer).normalized();
+}
+
+Hit hit_of(const Mesh& mesh, const RTCRayHit& found, const Vec3f& dir) {
+  const Triangle triangle = triangle_of(mesh, found.hit.primID);
+  const std::array<float, 3> weights{1 - found.hit.u - found.hit.v, found.hit.u, found.hit.v};
+  Hit hit;
+  hit.material = &mesh.material;
+  hit.geometric = triangle.geometric().normalized();
+  hit.front = hit.geometric.dot(dir) < 0;
+  const float side = hit.front ? 1.0f : -1.0f;
+  hit.geometric *= side;
+  const Vec3f point = weights[0] * triangle.p[0] + weights[1] * triangle.p[1] + weights[2] * triangle.p[2];
+  const Vec3f smooth = weights[0] * triangle.n[0] + weights[1] * triangle.n[1] + weights[2] * triangle.n[2];
+  const bool flat = smooth.squaredNorm() < 1e-12f;
+  hit.normal = bent_towards(-dir, flat ? hit.geometric : Vec3f(side * smooth.normalized()));
+  hit.position = flat ? point : lifted_to_smooth_surface(triangle, weights, point, side);
+  // The interpolated point is off its plane by some units in the last place of the vertices.
+  constexpr float kUnitsInLastPlace = 16 * std::numeric_limits<float>::epsilon();
+  hit.position += kUnitsInLastPlace * triangle.extent() * hit.geometric;
+  return hit;
+}
+
+}  // namespace
+
+struct Tracer::Impl {
+  explicit Impl(const Scene& from) : scene(from), device(rtcNewDevice(nullptr)), tree(rtcNewScene(device)) {
+    // Robust: no ray slips between two triangles that share an edge.
+    rtcSetSceneFlags(tree, RTC_SCENE_FLAG_ROBUST);
+    for (const Mesh& mesh : scene.meshes) attach(mesh);
+    rtcCommitScene(tree);
+  }
+  ~Impl() {
+    rtcReleaseScene(tree);
+    rtcReleaseDevice(device);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void attach(const Mesh& mesh) {
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    // Embree may read 16 bytes from the last vertex on: a buffer of its own has the room.
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), mesh.positions.size()));
+    for (std::size_t k = 0; k < mesh.positions.size(); ++k) std::copy_n(mesh.positions[k].data(), 3, vertices + 3 * k);
+    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.indices.size() / 3));
+    std::copy(mesh.indices.begin(), mesh.indices.end(), indices);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(tree, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+
+  const Scene& scene;
+  RTCDevice device;
+  RTCScene tree;
+};
+
+Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+Tracer::~Tracer() = default;
+Tracer::Tracer(Tracer&&) noexcept = default;
+
+std::optional<Hit> Tracer::intersect(const Vec3f& origin, const Vec3f& dir) const {
+  RTCRayHit found{};
+  found.ray = ray_from(origin, dir);
+  found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(impl_->tree, &context, &found);
+  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return hit_of(impl_->scene.meshes[found.hit.geomID], found, dir);
+}
+
+bool Tracer::occluded(const Vec3f& origin, const Vec3f& dir) const {
+  RTCRay ray = ray_from(origin, dir);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(impl_->tree, &context, &ray);
+  return ray.tfar < 0;  // Embree's sign for "something is in the way"
+}
+
+bool Tracer::convex() const {
+  std::size_t count = 0;
+  for (const Mesh& mesh : impl_->scene.meshes) count += mesh.positions.size();
+  if (count == 0) return true;
+  Eigen::Matrix3Xf vertices(3, static_cast<Eigen::Index>(count));
+  Eigen::Index column = 0;
+  for (const Mesh& mesh : impl_->scene.meshes)
+    for (const Vec3f& p : mesh.positions) vertices.col(column++) = p;
+  // Rounded vertices may stand this far in front of a plane on which they should lie.
+  const float tolerance = 1e-5f * vertices.cwiseAbs().maxCoeff();
+  for (const Mesh& mesh : impl_->scene.meshes) {
+    for (std::size_t primitive = 0; primitive < mesh.indices.size() / 3; ++primitive) {
+      const Triangle triangle = triangle_of(mesh, primitive);
+      const Vec3f normal = triangle.geometric().normalized();
+      const float highest = (normal.transpose() * vertices).maxCoeff();
+      if (highest > normal.dot(triangle.p[0]) + tolerance) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace hdr

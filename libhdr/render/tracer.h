@@ -9,9 +9,11 @@
 namespace hdr {
 
 struct Hit {
-  Vec3f position;   ///< lifted off the surface along the geometric normal, so that rays from it do not meet it again
+  Vec3f position;   ///< lifted to the smooth surface that the triangles stand for: rays into the hemisphere of `normal`
+                    ///< do not meet the triangle that they leave
   Vec3f geometric;  ///< unit, on the side the ray came from
   Vec3f normal;     ///< shading normal, unit, same side
+  bool front = true;  ///< the ray came from the side that the triangle's winding calls outside
   const Material* material = nullptr;
 };
 
@@ -23,6 +25,9 @@ class Tracer {
 
   std::optional<Hit> intersect(const Vec3f& origin, const Vec3f& dir) const;
   bool occluded(const Vec3f& origin, const Vec3f& dir) const;
+
+  /// The whole scene lies behind the plane of each of its triangles: no ray that leaves a front meets anything.
+  bool convex() const;
 
  private:
   struct Impl;

@@ -1,0 +1,32 @@
+#include "libhdr/render/internal/camera_rays.h"
+
+#include <cmath>
+
+#include "libhdr/core/sphere.h"
+
+namespace hdr {
+
+CameraRays::CameraRays(const Camera& camera, Size size) : eye_(camera.eye), width_(size.width), height_(size.height) {
+  const Vec3 towards = (camera.look - camera.eye).cast<double>();
+  if (!(towards.norm() > 0) || !towards.allFinite()) {
+    throw Error("the camera stands where it looks; make --eye and --look different points");
+  }
+  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
+    throw Error("the camera's field of view must lie between 0 and 180 degrees; mend --fov");
+  }
+  forward_ = towards.normalized();
+  // A camera that looks straight up or down has -Z or +Z at its top, as if it had tilted there from looking along -Z.
+  Vec3 above = Vec3::UnitY();
+  if (forward_.cross(above).norm() < 1e-6) above = forward_.y() > 0 ? Vec3(0, 0, 1) : Vec3(0, 0, -1);
+  const double half = std::tan(0.5 * camera.fov_degrees * kDegree);
+  const Vec3 right = forward_.cross(above).normalized();
+  right_ = half * right;
+  up_ = half * right.cross(forward_);
+}
+
+Vec3f CameraRays::dir_from_px(const Vec2& px) const {
+  const double x = 2 * px.x() / width_ - 1, y = (height_ - 2 * px.y()) / width_;
+  return (forward_ + x * right_ + y * up_).normalized().cast<float>();
+}
+
+}  // namespace hdr
