@@ -33,7 +33,7 @@ enum class Verified { kNone, kBrightness, kMetadata };
 const char* name_of(Verified verified);
 
 struct Frame {
-  Photo photo;                     ///< its exposure is the one that was used
+  Photo photo;  ///< its exposure is the one that was used
   double requested_seconds = 0;
   std::optional<double> reported_seconds;
   Verified verified = Verified::kNone;

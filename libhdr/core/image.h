@@ -29,11 +29,7 @@ class View {
     HDR_ASSERT(width >= 0 && height >= 0 && channels >= 0);
     HDR_ASSERT(stride >= static_cast<std::ptrdiff_t>(width) * channels);
   }
-  operator View<const T>() const
-    requires(!std::is_const_v<T>)
-  {
-    return {data_, width_, height_, channels_, stride_};
-  }
+  operator View<const T>() const requires(!std::is_const_v<T>) { return {data_, width_, height_, channels_, stride_}; }
 
   T* data() const { return data_; }
   int width() const { return width_; }

@@ -1,6 +1,7 @@
 #pragma once
-// A photograph as the camera wrote it: integer codes through an unknown response. The type is the colour tag: codes live
-// in a Photo, linear radiance in a RadianceMap (core/radiance.h), and only response/ and merge/ turn one into the other.
+// A photograph as the camera wrote it: integer codes through an unknown response. The type is the colour tag: codes
+// live in a Photo, linear radiance in a RadianceMap (core/radiance.h), and only response/ and merge/ turn one into the
+// other.
 #include <cstdint>
 #include <filesystem>
 #include <string>

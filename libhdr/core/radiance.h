@@ -24,7 +24,7 @@ struct RadianceMap {
   Image<float> stddev;  ///< standard deviation of rgb, same shape; empty when it was not asked for
   Chromaticities chromaticities;
   std::optional<double> white_luminance;  ///< cd/m^2 of (1,1,1)
-  std::string projection;                 ///< hdr:projection, e.g. "latlong" (probe/projection.h); empty: a plain picture
+  std::string projection;  ///< hdr:projection, e.g. "latlong" (probe/projection.h); empty: a plain picture
 
   Size size() const { return rgb.size(); }
 };

@@ -44,7 +44,7 @@ Image<float> test_scene(int width, int height, double stops, std::uint64_t seed)
 }  // namespace hdr::test
 
 /// Skips, visibly, when the collection of photographs is absent.
-#define HDR_NEED_SHARED_DATA(variable, name)                                              \
-  const auto variable##_found = ::hdr::test::shared_data(name);                           \
-  if (!variable##_found) GTEST_SKIP() << "../shared/data/" << (name) << " is not here";   \
+#define HDR_NEED_SHARED_DATA(variable, name)                                            \
+  const auto variable##_found = ::hdr::test::shared_data(name);                         \
+  if (!variable##_found) GTEST_SKIP() << "../shared/data/" << (name) << " is not here"; \
   const std::filesystem::path variable = *variable##_found

@@ -65,7 +65,11 @@ TEST(Parallel, EveryRowOnceAndExceptionsComeBack) {
     for (int y = first; y < last; ++y) seen[static_cast<std::size_t>(y)]++;
   });
   for (const auto& count : seen) EXPECT_EQ(count, 1);
-  EXPECT_THROW(for_rows(10, 1, [](int first, int) { if (first == 5) throw Error("row 5"); }), Error);
+  EXPECT_THROW(for_rows(10, 1,
+                        [](int first, int) {
+                          if (first == 5) throw Error("row 5");
+                        }),
+               Error);
 }
 
 TEST(Random, IsAFunctionOfItsAddressAndUniform) {

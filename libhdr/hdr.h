@@ -1,0 +1,49 @@
+#pragma once
+// The public API on one screen: photographs in, light out.
+//
+//   const auto shots       = hdr::read_bracket(files);
+//   const auto alignment   = hdr::align(shots, hdr::provisional_response(shots));
+//   const auto calibration = hdr::calibrate_debevec_malik(shots, alignment.ref_from_photo());
+//   const auto merged      = hdr::merge(shots, alignment, calibration.response);
+//   const auto ball        = hdr::find_ball(merged.map.rgb);
+//   const auto probe       = hdr::unwrap(merged.map, hdr::MirrorBall{ball.value().disc}, hdr::LatLong{{2048, 1024}}, {2048, 1024});
+//   hdr::write_map("probe.exr", probe);
+//   const auto sh          = hdr::project(probe.rgb, hdr::LatLong{probe.size()}, 2);
+//   const auto light       = hdr::Environment::from_probe(probe, hdr::LatLong{probe.size()});
+//   hdr::write_map("render.exr", hdr::render(hdr::spheres_on_plane(), light).picture);
+#include "libhdr/core/color.h"      // luminance, sRGB
+#include "libhdr/core/error.h"      // Error: file, fact, remedy
+#include "libhdr/core/image.h"      // Image owns, View borrows
+#include "libhdr/core/parallel.h"   // set_threads, for_rows, reduce_rows
+#include "libhdr/core/photo.h"      // Photo: codes; Bracket
+#include "libhdr/core/radiance.h"   // RadianceMap: linear light; Provenance
+#include "libhdr/core/sphere.h"     // axes and pixel conventions, once
+#include "libhdr/core/version.h"
+
+#include "libhdr/io/bracket.h"        // read_bracket: SHOTS with their exposures
+#include "libhdr/io/exposure_list.h"  // exposures from a text file
+#include "libhdr/io/read.h"           // read_photo, read_map, read_info
+#include "libhdr/io/write.h"          // write_map, write_picture, write_photo
+
+#include "libhdr/response/calibrate.h"  // calibrate_debevec_malik, provisional_response
+#include "libhdr/response/expose.h"     // expose: radiance -> photograph
+#include "libhdr/response/response.h"   // g(Z) = ln f^-1(Z), and its file
+
+#include "libhdr/align/align.h"  // ref_from_photo of every shot
+#include "libhdr/align/warp.h"   // a registered shot as a photograph
+#include "libhdr/merge/merge.h"  // bracket -> radiance map
+
+#include "libhdr/filter/compare.h"  // how far apart two maps are
+#include "libhdr/filter/resize.h"
+#include "libhdr/filter/tonemap.h"  // for looking
+
+#include "libhdr/probe/find_ball.h"   // where the mirror ball is
+#include "libhdr/probe/photograph.h"  // what a camera sees in an environment
+#include "libhdr/probe/projection.h"  // pixels <-> directions
+#include "libhdr/probe/unwrap.h"      // from one projection to another
+
+#include "libhdr/light/environment.h"  // sample / pdf / invert
+#include "libhdr/light/sh.h"           // project, irradiance
+
+#include "libhdr/render/render.h"  // a picture of a scene lit by a probe
+#include "libhdr/render/scene.h"

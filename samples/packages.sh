@@ -1,0 +1,31 @@
+# Sourced by samples/demo.sh and tests/run.sh: install_packages NAME... installs the Debian packages that are missing.
+
+# What the command needs to be built.
+HDR_BUILD_PACKAGES=(build-essential cmake ninja-build pkg-config ccache
+  libopenimageio-dev libopenexr-dev libimath-dev
+  libopencv-core-dev libopencv-imgproc-dev libopencv-video-dev libopencv-features2d-dev libopencv-calib3d-dev
+  libceres-dev libeigen3-dev libtbb-dev libembree-dev libcli11-dev libfmt-dev nlohmann-json3-dev)
+
+# What its tests need besides.
+HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)
+
+# Runs as root: directly, or through sudo.
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+install_packages() {
+  local missing=() name
+  for name in "$@"; do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null)" != installed ]; then missing+=("$name"); fi
+  done
+  if [ ${#missing[@]} = 0 ]; then return 0; fi
+  echo "Installing Debian packages: ${missing[*]}"
+  if [ "$(id -u)" != 0 ] && ! command -v sudo >/dev/null; then
+    echo "This needs root: run  apt-get install ${missing[*]}  as root, then start again." >&2
+    return 1
+  fi
+  as_root apt-get -qq -o DPkg::Lock::Timeout=600 update
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o DPkg::Lock::Timeout=600 \
+    install --no-install-recommends "${missing[@]}" >/dev/null
+}

@@ -1,0 +1,151 @@
+#include "tools/hdr/options.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "libhdr/core/error.h"
+
+namespace hdr::tools {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+double number_from_text(const std::string& text, const std::string& option) {
+  const char* begin = text.c_str();
+  char* end = nullptr;
+  const double value = std::strtod(begin, &end);
+  if (end == begin || *end != '\0') throw Error(fmt::format("{}: '{}' is not a number", option, text));
+  return value;
+}
+
+}  // namespace
+
+std::vector<double> times_from_text(const std::string& text, const std::string& option) {
+  std::vector<double> times;
+  for (const std::string& part : split(text, ',')) {
+    const std::size_t slash = part.find('/');
+    times.push_back(slash == std::string::npos ? number_from_text(part, option)
+                                               : number_from_text(part.substr(0, slash), option) /
+                                                     number_from_text(part.substr(slash + 1), option));
+  }
+  if (times.empty()) throw Error(option + ": no times; give seconds such as 1/250,1/60,2");
+  return times;
+}
+
+Size size_from_text(const std::string& text, const std::string& option) {
+  const std::vector<std::string> parts = split(text, 'x');
+  const auto side = [&](const std::string& part) {
+    const double value = number_from_text(part, option);
+    if (!(value >= 1 && value <= 1 << 17) || value != std::floor(value)) {
+      throw Error(fmt::format("{}: '{}' is not a size; give WIDTHxHEIGHT in pixels", option, text));
+    }
+    return static_cast<int>(value);
+  };
+  if (parts.size() != 2) throw Error(fmt::format("{}: '{}' is not a size; give WIDTHxHEIGHT in pixels", option, text));
+  return {side(parts[0]), side(parts[1])};
+}
+
+Vec3 vec3_from_text(const std::string& text, const std::string& option) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 3) throw Error(fmt::format("{}: '{}' is not X,Y,Z", option, text));
+  return {number_from_text(parts[0], option), number_from_text(parts[1], option), number_from_text(parts[2], option)};
+}
+
+void ShotsOptions::declare(CLI::App& app) {
+  app.add_option("shots", files, "photographs of one scene, or a folder of them, in any order")->required();
+  app.add_option("--times", times, "seconds in the order of the files, e.g. 1/1000,1/250,2; replaces EXIF's");
+  app.add_option("--exposures", exposures,
+                 "a list: lines of `name seconds [f-number [iso [nd_stops]]]`, or in 1/t style");
+  app.add_option("--list-format", list_format, "how to read the list")
+      ->check(CLI::IsMember({"auto", "seconds", "inverse", "hdrgen"}))
+      ->capture_default_str();
+}
+
+BracketOptions ShotsOptions::bracket_options() const {
+  BracketOptions options;
+  if (!times.empty()) options.times = times_from_text(times, "--times");
+  if (!exposures.empty()) options.exposures = exposures;
+  options.list_format = list_format_from_name(list_format).value();
+  return options;
+}
+
+void CalibrateFlags::declare(CLI::App& app) {
+  app.add_option("--calibrate-method,--method", method, "how the response is fitted")
+      ->check(CLI::IsMember({"debevec-malik"}))
+      ->capture_default_str();
+  app.add_option("--smoothness", smoothness, "weight of the curve's smoothness, or auto: chosen from the data")
+      ->capture_default_str();
+}
+
+CalibrateOptions CalibrateFlags::options() const {
+  CalibrateOptions options;
+  if (smoothness != "auto") {
+    options.smoothness = number_from_text(smoothness, "--smoothness");
+    if (!(*options.smoothness > 0)) throw Error("--smoothness: give a positive number or auto");
+  }
+  return options;
+}
+
+void MergeFlags::declare(CLI::App& app) {
+  app.add_option("--response", response, "fit (from these shots), a response file, srgb, linear, gamma:2.2")
+      ->capture_default_str();
+  app.add_option("--weight", weight, "how shots are weighted; auto looks at the file type")
+      ->check(CLI::IsMember({"auto", "hat", "variance"}))
+      ->capture_default_str();
+}
+
+MergeOptions MergeFlags::options() const {
+  MergeOptions options;
+  if (weight == "hat") options.weight = WeightKind::kHat;
+  if (weight == "variance") options.weight = WeightKind::kVariance;
+  return options;
+}
+
+AlignMethod align_method(const std::string& name) {
+  const auto method = align_method_from_name(name);
+  if (!method) throw CLI::ValidationError("--align", "'" + name + "' is not one of auto, none, mtb, ecc, features");
+  return *method;
+}
+
+void WriteFlags::declare(CLI::App& app) {
+  app.add_option("--type", type, "EXR samples")->check(CLI::IsMember({"half", "float"}))->capture_default_str();
+  app.add_option("--compression", compression, "EXR compression")
+      ->check(CLI::IsMember({"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"}))
+      ->capture_default_str();
+}
+
+WriteOptions WriteFlags::options() const {
+  return {type == "float" ? SampleType::kFloat : SampleType::kHalf, compression};
+}
+
+void UnwrapFlags::declare(CLI::App& app) {
+  app.add_option("--from", from,
+                 "what the picture is: latlong, angular, mirror-ball, rectilinear (default: its hdr:projection)");
+  app.add_option("--to", to, "what to write: latlong, angular, mirror-ball, rectilinear")->capture_default_str();
+  app.add_option("--width", width, "width to write, pixels")->check(CLI::Range(1, 65536))->capture_default_str();
+  app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")->capture_default_str();
+  app.add_option("--distance", distance, "camera to the ball's centre, in ball radii (default: far)");
+  app.add_option("--fov", fov, "horizontal field of a rectilinear picture, degrees")->capture_default_str();
+  app.add_option("--rotate", rotate, "X,Y,Z degrees: d_out = Rz Ry Rx d_in")->capture_default_str();
+}
+
+std::pair<Projection, Size> UnwrapFlags::target() const {
+  const Size square{width, width}, wide{width, std::max(1, width / 2)};
+  auto projection = projection_from_text(to, square);
+  if (!projection) {
+    throw CLI::ValidationError("--to", "'" + to + "' is not one of latlong, angular, mirror-ball, rectilinear");
+  }
+  if (std::holds_alternative<LatLong>(*projection)) return {LatLong{wide}, wide};
+  if (auto* view = std::get_if<Rectilinear>(&*projection)) *view = {square, fov};
+  return {*projection, square};
+}
+
+}  // namespace hdr::tools

@@ -1,0 +1,72 @@
+#pragma once
+// Options that several verbs share: shots, calibration, alignment, merging, unwrapping, writing.
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libhdr/align/align.h"
+#include "libhdr/core/photo.h"
+#include "libhdr/io/bracket.h"
+#include "libhdr/io/write.h"
+#include "libhdr/merge/merge.h"
+#include "libhdr/probe/projection.h"
+#include "libhdr/response/calibrate.h"
+
+namespace hdr::tools {
+
+/// "1/1000,1/250,2": numbers or fractions. Throws Error that names the option. NaN, zero and negative numbers pass: who
+/// uses them knows which shot to name.
+std::vector<double> times_from_text(const std::string& text, const std::string& option);
+/// "2000x1500". Throws Error.
+Size size_from_text(const std::string& text, const std::string& option);
+/// "1,2,3" -> Vec3. Throws Error.
+Vec3 vec3_from_text(const std::string& text, const std::string& option);
+
+struct ShotsOptions {
+  std::vector<Path> files;
+  std::string times, exposures, list_format = "auto";
+
+  void declare(CLI::App& app);
+  BracketOptions bracket_options() const;
+};
+
+struct CalibrateFlags {
+  std::string method = "debevec-malik";
+  std::string smoothness = "auto";
+
+  void declare(CLI::App& app);
+  CalibrateOptions options() const;
+};
+
+struct MergeFlags {
+  std::string response = "fit";
+  std::string weight = "auto";
+
+  void declare(CLI::App& app);
+  MergeOptions options() const;
+};
+
+/// --align for verbs that merge, --method for `align` itself.
+AlignMethod align_method(const std::string& name);
+
+struct WriteFlags {
+  std::string type = "half";
+  std::string compression = "piz";
+
+  void declare(CLI::App& app);
+  WriteOptions options() const;
+};
+
+struct UnwrapFlags {
+  std::string from, to = "latlong", ball = "auto", rotate = "0,0,0";
+  std::optional<double> distance;
+  double fov = 90;
+  int width = 2048;
+
+  void declare(CLI::App& app);
+  /// The projection to write, and its size.
+  std::pair<Projection, Size> target() const;
+};
+
+}  // namespace hdr::tools

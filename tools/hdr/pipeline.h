@@ -1,0 +1,52 @@
+#pragma once
+// The order of the main job: read -> provisional response -> align linearised shots -> final fit on registered pixels
+// -> merge. Verbs run as much of it as they need; each step reports its stage and its keys of the answer.
+#include <optional>
+
+#include "libhdr/align/align.h"
+#include "libhdr/merge/merge.h"
+#include "libhdr/response/calibrate.h"
+#include "tools/hdr/options.h"
+#include "tools/hdr/verb.h"
+
+namespace hdr::tools {
+
+/// Options of merge and probe alike.
+struct MergePipelineOptions {
+  ShotsOptions shots;
+  CalibrateFlags calibrate;
+  MergeFlags merge;
+  std::string align = "auto";
+
+  void declare(CLI::App& app);
+};
+
+struct MergeResult {
+  Bracket bracket;
+  Response response;
+  Alignment alignment;
+  Merged merged;
+};
+
+Bracket read_shots(Run& run, const ShotsOptions& options, bool allow_equal_exposures = false);
+
+/// Response from --response, or nothing when it is to be fitted.
+std::optional<Response> known_response(const std::string& text, int bits);
+
+Alignment align_shots(Run& run, const Bracket& bracket, const std::optional<Response>& known, AlignMethod method);
+
+Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& alignment,
+                            const CalibrateOptions& options);
+
+MergeResult merge_shots(Run& run, const MergePipelineOptions& options);
+
+/// Version, options, shots with their exposures (names without folders).
+Provenance provenance_of(const Run& run, const Bracket& bracket);
+Provenance provenance_of(const Run& run, const Path& input);
+
+/// Rows of the answer, in the order in which the user named the files.
+void answer_calibration(Run& run, const Bracket& bracket, const Calibration& calibration);
+void answer_alignment(Run& run, const Bracket& bracket, const Alignment& alignment);
+void answer_merge(Run& run, const MergeResult& result);
+
+}  // namespace hdr::tools

@@ -1,0 +1,39 @@
+// The main job in one line: bracketed photographs of a mirror ball -> a light probe.
+#include "libhdr/io/output_file.h"
+#include "tools/hdr/pipeline.h"
+#include "tools/hdr/unwrap_step.h"
+
+namespace hdr::tools {
+
+std::function<int(Run&)> declare_probe(CLI::App& app) {
+  struct Options {
+    MergePipelineOptions pipeline;
+    UnwrapFlags unwrap;
+    WriteFlags write;
+    std::string output, response_output, map_output;
+  };
+  auto options = std::make_shared<Options>();
+  options->pipeline.declare(app);
+  app.add_option("-o,--output", options->output, "the light probe (.exr, .hdr, .tif)")->required();
+  app.add_option("--save-response", options->response_output, "also write the fitted response");
+  app.add_option("--save-map", options->map_output, "also write the merged radiance map");
+  options->unwrap.declare(app);
+  options->write.declare(app);
+  return [options](Run& run) {
+    MergeResult result = merge_shots(run, options->pipeline);
+    answer_merge(run, result);
+    const std::string reference = run.answer["reference"];
+    const RadianceMap probe = unwrap_picture(run, result.merged.map, options->unwrap, MirrorBall::kName, reference);
+    const Provenance provenance = provenance_of(run, result.bracket);
+    run.stage("write", [&] {
+      write_map(options->output, probe, provenance, options->write.options());
+      if (!options->map_output.empty())
+        write_map(options->map_output, result.merged.map, provenance, options->write.options());
+      if (!options->response_output.empty()) write_text(options->response_output, json_from_response(result.response));
+    });
+    run.say("wrote " + options->output);
+    return 0;
+  };
+}
+
+}  // namespace hdr::tools

@@ -1,0 +1,88 @@
+#include "libhdr/render/render.h"
+
+#include <fmt/format.h>
+
+#include "libhdr/core/error.h"
+#include "tools/hdr/pipeline.h"
+#include "tools/hdr/probe_input.h"
+
+namespace hdr::tools {
+namespace {
+
+struct Options {
+  ProbeInput probe;
+  std::string output, scene, method = "auto", size = "640x480", eye, look, material = "diffuse:0.5";
+  double fov = 0;
+  int samples = 64;
+  std::uint64_t seed = 1;
+  WriteFlags write;
+};
+
+Scene scene_of(const Options& options) {
+  Scene scene;
+  if (options.scene.empty()) {
+    scene = spheres_on_plane();
+  } else if (options.scene == "sphere") {
+    scene = sphere_alone(material_from_text(options.material));
+  } else {
+    throw Error(options.scene +
+                ": not a scene of this build; leave --scene out for spheres on a plane, or pass sphere");
+  }
+  if (!options.eye.empty()) scene.camera.eye = vec3_from_text(options.eye, "--eye").cast<float>();
+  if (!options.look.empty()) scene.camera.look = vec3_from_text(options.look, "--look").cast<float>();
+  if (options.fov != 0) scene.camera.fov_degrees = options.fov;
+  if (!(scene.camera.fov_degrees > 0 && scene.camera.fov_degrees < 180))
+    throw Error("--fov: give degrees between 0 and 180");
+  if ((scene.camera.eye - scene.camera.look).norm() == 0)
+    throw Error("--eye and --look are the same point; move one of them");
+  return scene;
+}
+
+}  // namespace
+
+std::function<int(Run&)> declare_render(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  options->probe.declare(app, false);
+  app.add_option("-o,--output", options->output, "the picture (.exr, RGBA: alpha is coverage)")->required();
+  app.add_option("--scene", options->scene, "`sphere` is one sphere alone (default: spheres on a plane)");
+  app.add_option("--method", options->method, "auto, mc, importance, mis or sh")
+      ->check(CLI::IsMember({"auto", "mc", "importance", "mis", "sh"}))
+      ->capture_default_str();
+  app.add_option("--samples", options->samples, "a pixel")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--size", options->size, "of the picture")->capture_default_str();
+  app.add_option("--eye", options->eye, "the camera's place X,Y,Z, +Y up");
+  app.add_option("--look", options->look, "the point it looks at");
+  app.add_option("--fov", options->fov, "horizontal, degrees");
+  app.add_option("--material", options->material, "of the sphere: diffuse:ALBEDO, ggx:ROUGHNESS, mirror")
+      ->capture_default_str();
+  app.add_option("--seed", options->seed, "of the random numbers")->capture_default_str();
+  options->write.declare(app);
+  return [options](Run& run) {
+    const RenderMethod method = render_method_from_name(options->method).value();
+    RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}};
+    const Scene scene = scene_of(*options);
+    const Probe probe = options->probe.read(run);
+    const Environment light = run.stage("tables", [&] { return Environment::from_probe(probe.map, probe.projection); });
+    const Rendering result = run.stage("render", [&](const Progress& progress) {
+      settings.progress = [&progress](double done) { progress.update(done); };
+      return render(scene, light, settings);
+    });
+    if (!result.skipped.empty()) run.clock.skipped(result.skipped);
+    const Stage& stage = run.clock.stages().back();
+    run.answer["seconds"] = stage.seconds;
+    run.answer["cpu_seconds"] = stage.cpu_seconds;
+    run.answer["method"] = name_of(result.method);
+    run.answer["rays"] = result.rays;
+    run.answer["samples_per_pixel"] = result.samples_per_pixel;
+    run.answer["estimated_error"] = result.estimated_error;
+    run.say(fmt::format("{}: {} samples a pixel, {:.1f} M rays, estimated error {:.2g}", name_of(result.method),
+                        result.samples_per_pixel, static_cast<double>(result.rays) / 1e6, result.estimated_error));
+    run.stage("write", [&] {
+      write_map(options->output, result.picture, provenance_of(run, options->probe.path), options->write.options());
+    });
+    run.say("wrote " + options->output);
+    return 0;
+  };
+}
+
+}  // namespace hdr::tools

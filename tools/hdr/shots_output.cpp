@@ -1,0 +1,35 @@
+#include "tools/hdr/shots_output.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "libhdr/core/error.h"
+#include "libhdr/io/output_file.h"
+#include "libhdr/io/write.h"
+
+namespace hdr::tools {
+
+ShotsOutput::ShotsOutput(Path folder) : folder_(std::move(folder)) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder_, failed);
+  if (failed)
+    throw Error(fmt::format("{}: cannot be made: {}; choose another folder", folder_.string(), failed.message()));
+}
+
+void ShotsOutput::write(const Frame& frame, const std::string& format, int jpeg_quality) {
+  const std::string name = fmt::format("shot_{:02d}.{}", names_.size(), format);
+  write_photo(folder_ / name, frame.photo, jpeg_quality);
+  names_.push_back(name);
+  rows_.push_back({{"path", (folder_ / name).string()},
+                   {"requested_seconds", frame.requested_seconds},
+                   {"seconds", *frame.photo.exposure.seconds},
+                   {"verified", name_of(frame.verified)},
+                   {"sequence", frame.sequence}});
+}
+
+void ShotsOutput::write_json(const Json& bracket) const {
+  write_text(folder_ / "bracket.json", bracket.dump(1) + "\n");
+}
+
+}  // namespace hdr::tools

@@ -1,0 +1,27 @@
+#pragma once
+// A folder of shots: photographs with their exposures in EXIF, and bracket.json. Such a folder is SHOTS for every verb.
+#include <string>
+
+#include "capture/camera.h"
+#include "tools/hdr/verb.h"
+
+namespace hdr::tools {
+
+class ShotsOutput {
+ public:
+  /// Makes the folder; throws Error when it cannot be made.
+  explicit ShotsOutput(Path folder);
+
+  /// Writes shot_NN.FORMAT.
+  void write(const Frame& frame, const std::string& format, int jpeg_quality);
+  void write_json(const Json& bracket) const;
+
+  const Json& names() const { return names_; }
+  const Json& rows() const { return rows_; }  ///< the answer's frames
+
+ private:
+  Path folder_;
+  Json names_ = Json::array(), rows_ = Json::array();
+};
+
+}  // namespace hdr::tools

@@ -1,0 +1,14 @@
+#pragma once
+// From a picture to a probe, for `unwrap` and `probe`: which projection the picture has, finding the ball, resampling.
+#include "libhdr/core/radiance.h"
+#include "tools/hdr/options.h"
+#include "tools/hdr/verb.h"
+
+namespace hdr::tools {
+
+/// `default_from` counts when neither --from nor the picture's hdr:projection says what it is ("" : 2:1 is lat-long).
+/// `source` is the picture's name for messages. Fills the answer's ball, views and projection.
+RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
+                           const std::string& default_from, const std::string& source);
+
+}  // namespace hdr::tools
