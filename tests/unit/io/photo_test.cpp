@@ -191,15 +191,13 @@ TEST(Photo, ApexValuesStandInForAMissingTime) {
   EXPECT_DOUBLE_EQ(exposure.f_number.value_or(0), 4.0);
 }
 
-TEST(Photo, ZeroOrNegativeExifTimeIsAnErrorNamingTheFile) {
+TEST(Photo, AZeroExifTimeIsAnErrorNamingTheFile) {
   const ScratchDir scratch;
-  for (const double seconds : {0.0, -0.0}) {
-    write_photo(scratch / "a.jpg", made_up_photo(8, 8, 8, 9, {seconds, 4.0, 100.0, 0}));
-    const std::string message = error_of([&] { read_photo(scratch / "a.jpg"); });
-    EXPECT_TRUE(message.starts_with((scratch / "a.jpg").string())) << message;
-    EXPECT_NE(message.find("--times"), std::string::npos) << message;
-    EXPECT_EQ(error_of([&] { read_photo_header(scratch / "a.jpg"); }), message);
-  }
+  write_photo(scratch / "a.jpg", made_up_photo(8, 8, 8, 9, {0.0, 4.0, 100.0, 0}));
+  const std::string message = error_of([&] { read_photo(scratch / "a.jpg"); });
+  EXPECT_TRUE(message.starts_with((scratch / "a.jpg").string() + ": the exposure time in EXIF is 0 s")) << message;
+  EXPECT_NE(message.find("--times"), std::string::npos) << message;
+  EXPECT_EQ(error_of([&] { read_photo_header(scratch / "a.jpg"); }), message);
 }
 
 TEST(Photo, TruncatedFilesAreErrorsNamingTheFile) {
