@@ -171,13 +171,15 @@ void borrow_curves(Response& response) {
 }
 
 Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<double> smoothness) {
-  const Knots knots(seen.bits);
+  const Knots first_knots(seen.bits);
   Calibration result;
-  result.warnings = check_coverage(seen, knots, bracket);
-
-  drop_outliers(seen, knots, fit_channels(knots, seen, smoothness.value_or(kStiff), kWideOutliers));
-  result.smoothness = smoothness ? *smoothness : choose_smoothness(knots, seen.codes, seen.ln_exposure);
-  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, result.smoothness);
+  result.warnings = check_coverage(seen, first_knots, bracket);
+  drop_outliers(seen, first_knots, fit_channels(first_knots, seen, smoothness.value_or(kStiff), kWideOutliers));
+  const SmoothnessChoice choice =
+      smoothness ? SmoothnessChoice{*smoothness, INFINITY} : choose_smoothness(seen.bits, seen.codes, seen.ln_exposure);
+  result.smoothness = choice.smoothness;
+  const Knots knots(seen.bits, choice.shoulder);
+  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, choice.smoothness);
   result.converged = true;
   result.response.bits = seen.bits;
   double squares = 0, count = 0;
@@ -210,7 +212,7 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
 
 Response provisional_response(const Bracket& bracket) {
   check_exposures(bracket);
-  return calibrate(match_quantiles(bracket), bracket, 1.0).response;
+  return calibrate(match_quantiles(bracket), bracket, kStiff).response;
 }
 
 }  // namespace hdr

@@ -1,17 +1,21 @@
 #include "libhdr/response/internal/smoothness.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/internal/debevec_malik.h"
+#include "libhdr/response/internal/knots.h"
 
 namespace hdr {
 namespace {
 
 constexpr int kFolds = 3;
-constexpr double kGrid[] = {1e-4, 1e-3, 1e-2, 1e-1, 1, 10, 100};
-constexpr double kTolerance = 1.1;
+constexpr double kGrid[] = {1e-3, 1e-2, 1e-1, 1, 10};
+constexpr double kShoulders[] = {INFINITY, 0.25};
+constexpr double kTolerance = 1.15;
+constexpr int kShoulderCount = static_cast<int>(std::size(kShoulders));
 constexpr int kGridSize = static_cast<int>(std::size(kGrid));
 
 /// The squared residuals of held-out points: count, sum and sum of squares.
@@ -41,31 +45,43 @@ Score held_out_score(const Knots& knots, const Eigen::MatrixXd& codes, const Eig
   return score;
 }
 
+/// scores[shoulder * kGridSize + k], all channels together.
+std::vector<Score> cross_validate(int bits, const std::array<Eigen::MatrixXd, 3>& codes,
+                                  const Eigen::VectorXd& ln_exposure) {
+  std::vector<Knots> knots;
+  for (const double shoulder : kShoulders) knots.emplace_back(bits, shoulder);
+  std::vector<Score> parts(3 * kGridSize * kShoulderCount);
+  for_rows(static_cast<int>(parts.size()), 1, [&](int first, int) {
+    const int channel = first % 3, setting = first / 3;
+    parts[static_cast<std::size_t>(first)] =
+        held_out_score(knots[static_cast<std::size_t>(setting / kGridSize)], codes[static_cast<std::size_t>(channel)],
+                       ln_exposure, kGrid[setting % kGridSize]);
+  });
+  std::vector<Score> scores(parts.size() / 3);
+  for (std::size_t k = 0; k < parts.size(); ++k) scores[k / 3].add(parts[k]);
+  return scores;
+}
+
 }  // namespace
 
-double choose_smoothness(const Knots& knots, const std::array<Eigen::MatrixXd, 3>& codes,
-                         const Eigen::VectorXd& ln_exposure) {
-  std::vector<Score> parts(3 * kGridSize);
-  for_rows(static_cast<int>(parts.size()), 1, [&](int first, int last) {
-    for (int k = first; k < last; ++k) {
-      parts[static_cast<std::size_t>(k)] =
-          held_out_score(knots, codes[static_cast<std::size_t>(k % 3)], ln_exposure, kGrid[k / 3]);
-    }
-  });
-  std::vector<Score> scores(kGridSize);
-  int best = 0;
-  for (int s = 0; s < kGridSize; ++s) {
-    Score& score = scores[static_cast<std::size_t>(s)];
-    for (int c = 0; c < 3; ++c) score.add(parts[static_cast<std::size_t>(3 * s + c)]);
-    if (score.mean() < scores[static_cast<std::size_t>(best)].mean()) best = s;
+SmoothnessChoice choose_smoothness(int bits, const std::array<Eigen::MatrixXd, 3>& codes,
+                                   const Eigen::VectorXd& ln_exposure) {
+  const std::vector<Score> scores = cross_validate(bits, codes, ln_exposure);
+  const auto best = std::min_element(scores.begin(), scores.end(),
+                                     [](const Score& a, const Score& b) { return a.mean() < b.mean(); });
+  const double limit = std::max(kTolerance * best->mean(), best->mean() + best->standard_error());
+  // The stiffest that the data admit; of two equally stiff, the one that predicts better.
+  SmoothnessChoice choice{0, INFINITY};
+  double chosen_mean = INFINITY;
+  for (int setting = 0; setting < kGridSize * kShoulderCount; ++setting) {
+    const double mean = scores[static_cast<std::size_t>(setting)].mean();
+    const double smoothness = kGrid[setting % kGridSize];
+    const bool stiffer = smoothness > choice.smoothness;
+    if (mean > limit || !(stiffer || (smoothness == choice.smoothness && mean < chosen_mean))) continue;
+    choice = {smoothness, kShoulders[setting / kGridSize]};
+    chosen_mean = mean;
   }
-  const Score& least = scores[static_cast<std::size_t>(best)];
-  const double limit = std::max(kTolerance * least.mean(), least.mean() + least.standard_error());
-  int chosen = best;
-  for (int s = best; s < kGridSize; ++s) {
-    if (scores[static_cast<std::size_t>(s)].mean() <= limit) chosen = s;
-  }
-  return kGrid[chosen];
+  return choice;
 }
 
 }  // namespace hdr

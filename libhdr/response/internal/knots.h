@@ -1,14 +1,16 @@
 #pragma once
 // The codes at which the fit knows g; in between g is linear in u.
+#include <cmath>
 #include <vector>
 
 namespace hdr {
 
-/// 8 bits: every code. Deeper: codes uniform in u = ln(code + c), in which a power law is nearly straight, so that
-/// smoothness means the same at all depths.
+/// Smoothness is judged against u = ln(code + toe) - ln(1 - code / ((1 + shoulder) max_code)). With shoulder infinite a
+/// power law is nearly straight in u; with a finite one so is a film's shoulder, which otherwise bends most where the
+/// data end. 8 bits: a knot at every code. Deeper: knots uniform in u.
 class Knots {
  public:
-  explicit Knots(int bits);
+  explicit Knots(int bits, double shoulder = INFINITY);
 
   int count() const { return static_cast<int>(codes_.size()); }
   int middle() const { return middle_; }  ///< the knot at code 2^(bits-1)
@@ -24,7 +26,10 @@ class Knots {
   Place place(double code) const;
 
  private:
-  double offset_, max_code_;
+  double u_from_code(double code) const;
+  double code_from_u(double u) const;
+
+  double max_code_, pole_, toe_ = 0;
   int middle_ = 0;
   std::vector<double> codes_, u_;
 };
