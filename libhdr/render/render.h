@@ -33,7 +33,8 @@ struct Rendering {
   std::int64_t rays = 0;
   double samples_per_pixel = 0;
   /// Rms over fully covered, lit pixels of the standard error of luminance divided by its value, from the spread of the
-  /// pixel's independent camera rays. One sample a pixel has no spread: 1, nothing is known.
+  /// pixel's independent camera rays. Shadows so deep that no sample met light do not count. One sample a pixel has no
+  /// spread: 1, nothing is known.
   double estimated_error = 0;
   std::string skipped;  ///< what was not needed, why, and the bound on the error; empty: nothing was skipped
 };

@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <vector>
+
+#include "libhdr/core/parallel.h"
 
 namespace hdr {
 namespace {
@@ -146,24 +150,31 @@ bool Tracer::occluded(const Vec3f& origin, const Vec3f& dir) const {
 }
 
 bool Tracer::convex() const {
-  std::size_t count = 0;
-  for (const Mesh& mesh : impl_->scene.meshes) count += mesh.positions.size();
-  if (count == 0) return true;
-  Eigen::Matrix3Xf vertices(3, static_cast<Eigen::Index>(count));
-  Eigen::Index column = 0;
-  for (const Mesh& mesh : impl_->scene.meshes)
-    for (const Vec3f& p : mesh.positions) vertices.col(column++) = p;
-  // Rounded vertices may stand this far in front of a plane on which they should lie.
-  const float tolerance = 1e-5f * vertices.cwiseAbs().maxCoeff();
+  std::vector<float> xs, ys, zs;
   for (const Mesh& mesh : impl_->scene.meshes) {
-    for (std::size_t primitive = 0; primitive < mesh.indices.size() / 3; ++primitive) {
-      const Triangle triangle = triangle_of(mesh, primitive);
-      const Vec3f normal = triangle.geometric().normalized();
-      const float highest = (normal.transpose() * vertices).maxCoeff();
-      if (highest > normal.dot(triangle.p[0]) + tolerance) return false;
+    for (const Vec3f& p : mesh.positions) {
+      xs.push_back(p.x());
+      ys.push_back(p.y());
+      zs.push_back(p.z());
     }
   }
-  return true;
+  if (xs.empty()) return true;
+  const auto count = static_cast<Eigen::Index>(xs.size());
+  const Eigen::Map<const Eigen::ArrayXf> x(xs.data(), count), y(ys.data(), count), z(zs.data(), count);
+  // Rounded vertices may stand this far in front of a plane on which they should lie.
+  const float tolerance = 1e-5f * std::max({x.abs().maxCoeff(), y.abs().maxCoeff(), z.abs().maxCoeff()});
+  std::atomic<bool> convex = true;
+  for (const Mesh& mesh : impl_->scene.meshes) {
+    for_rows(static_cast<int>(mesh.indices.size() / 3), 64, [&](int first, int last) {
+      for (int primitive = first; primitive < last && convex; ++primitive) {
+        const Triangle triangle = triangle_of(mesh, static_cast<std::size_t>(primitive));
+        const Vec3f n = triangle.geometric().normalized();
+        const float highest = (n.x() * x + n.y() * y + n.z() * z).maxCoeff();
+        if (highest > n.dot(triangle.p[0]) + tolerance) convex = false;
+      }
+    });
+  }
+  return convex;
 }
 
 }  // namespace hdr

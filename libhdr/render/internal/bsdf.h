@@ -6,7 +6,7 @@
 namespace hdr {
 
 /// wo and wi point away from the surface. GGX scatters once: light that bounces between microfacets is lost, so a white
-/// one returns less than it receives (4 % at roughness .5, up to 60 % at 1 for a grazing viewer).
+/// one returns less than it receives: seen head-on at roughness 1, 1 - ln 2 = 31 % of it.
 class Bsdf {
  public:
   Bsdf(const Material& material, const Vec3f& normal, const Vec3f& wo);
