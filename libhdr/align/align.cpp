@@ -66,15 +66,18 @@ struct Prepared {
 PairMotion measure(const Prepared& a, const Prepared& b, AlignMethod method) {
   if (method == AlignMethod::kMtb) return internal::mtb_shift(*a.photo, *b.photo);
   if (method == AlignMethod::kFeatures) return internal::feature_shift(a.pyramid.front(), b.pyramid.front());
-  const Vec2 start =
-      internal::search_shift(a.thumbnail, b.thumbnail, internal::kSearchRadius).value_or(Vec2(Vec2::Zero()));
-  if (method == AlignMethod::kEcc) return internal::ecc_shift(a.pyramid, b.pyramid, start);
-  PairMotion motion = internal::refine_shift(a.pyramid, b.pyramid, start);
+  // Where the thumbnails correlate; or else where they were.
+  constexpr std::size_t kMostStarts = 5;
+  std::vector<Vec2> starts = internal::search_shifts(a.thumbnail, b.thumbnail, internal::kSearchRadius, kMostStarts);
+  starts.emplace_back(0, 0);
+  if (method == AlignMethod::kEcc) return internal::ecc_shift(a.pyramid, b.pyramid, starts.front());
+  PairMotion motion = internal::refine_shift(a.pyramid, b.pyramid, starts);
   if (motion.trouble.empty()) return motion;
-  // A second start, from what has corners rather than from what is bright.
+  // A second start, from what has corners; or their own answer, where no one shift fits all pixels (a turned camera).
   const PairMotion features = internal::feature_shift(a.pyramid.front(), b.pyramid.front());
   if (!features.trouble.empty()) return motion;
-  return internal::refine_shift({a.pyramid.data(), 1}, {b.pyramid.data(), 1}, features.b_from_a);
+  motion = internal::refine_shift(a.pyramid, b.pyramid, {&features.b_from_a, 1});
+  return motion.trouble.empty() ? motion : features;
 }
 
 /// Motions of neighbours among the shots `used`, two shots in memory at a time.
@@ -144,17 +147,17 @@ std::vector<Place> chained(const std::vector<PairMotion>& motions, int reference
 
 bool all_still(const std::vector<Place>& places) {
   return std::all_of(places.begin(), places.end(), [](const Place& p) {
-    return p.trouble.empty() && internal::lies_still(p.photo_from_ref, std::sqrt(p.variance));
+    return p.trouble.empty() && internal::bracket_lies_still(p.photo_from_ref.norm());
   });
 }
 
-FrameAlignment decided(const Place& place) {
+FrameAlignment decided(const Place& place, bool bracket_still) {
   FrameAlignment frame;
   const double error = std::sqrt(place.variance), moved = place.photo_from_ref.norm();
   frame.residual_px = error;
   if (!place.trouble.empty()) {
     frame.skipped = fmt::format("not measured against its neighbour, moves with it: {}", place.trouble);
-  } else if (internal::lies_still(place.photo_from_ref, error)) {
+  } else if (bracket_still || internal::lies_still(place.photo_from_ref, error)) {
     // What is left uncorrected is the measured shift itself, and its error.
     frame.residual_px = std::hypot(moved, error);
     frame.skipped = fmt::format("registered already, within {:.2f} px", std::max(0.01, moved + 2 * error));
@@ -257,13 +260,14 @@ Alignment align(const Bracket& bracket, const Response& response, AlignMethod me
     if (places.empty() || !all_still(places)) {
       places = chained(measure_pairs(bracket, used, linearizer, method), reference_in_chain);
     }
+    const bool still = all_still(places);
     for (std::size_t k = 0; k < used.size(); ++k) {
-      alignment.frames[static_cast<std::size_t>(used[k])] = decided(places[k]);
+      alignment.frames[static_cast<std::size_t>(used[k])] = decided(places[k], still);
     }
     // The reference is the grid itself. It is reported as skipped only when everything is.
     auto& reference = alignment.frames[static_cast<std::size_t>(alignment.reference)];
     reference = {};
-    if (all_still(places)) reference.skipped = "the reference: every shot lies on it";
+    if (still) reference.skipped = "the reference: every shot lies on it";
   }
   place_unusable(bracket, used, alignment.frames);
   return alignment;

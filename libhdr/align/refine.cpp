@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kFewestPixels = 64;
 constexpr double kLargestError = 0.75;      // pixels of the level; beyond, the content does not fix the motion
+constexpr double kAliasing = 0.007;         // pixels of the level in each axis: detail beyond Nyquist moves by itself
 constexpr double kMedianOfNormal = 0.6745;  // median |z| of a standard normal
 
 /// Where the iterations stand at one level, in pixels of that level.
@@ -20,7 +21,9 @@ struct Estimate {
   Vec2 t = Vec2::Zero();
   Mat2 covariance = Mat2::Zero();
   PhotometricMatch match;
-  double median = 0;  ///< of |residual| / sigma at t
+  double median = 0;              ///< of |residual| / sigma at t
+  std::vector<float> magnitudes;  ///< |residual| / sigma at t, of a sample of the pixels
+  std::size_t pixels = 0;
   bool enough = false;
 };
 
@@ -81,9 +84,11 @@ Estimate iterate(const LogPicture& a, const LogPicture& b, Estimate e, int itera
   const Vec2 start = e.t;
   for (int k = 0; k <= iterations; ++k) {
     Linearization at = linearize(a, b, e.t, e.match);
+    e.pixels = at.pixels;
     e.enough = at.pixels >= kFewestPixels;
     if (!e.enough) return e;
     e.median = at.median_magnitude();
+    e.magnitudes = std::move(at.magnitudes);
     const Unknowns d = step_from(at, e.match, move, e.covariance);
     if (k == iterations) break;
     // Each step stays within the reach of the linearisation.
@@ -98,12 +103,22 @@ Estimate iterate(const LogPicture& a, const LogPicture& b, Estimate e, int itera
   return e;
 }
 
+/// Geman-McClure's mean loss, which the iterations lower.
+double mean_loss(const Estimate& e, double scale) {
+  double sum = 0;
+  for (const float magnitude : e.magnitudes) {
+    const double m2 = std::pow(magnitude / (3 * scale), 2);
+    sum += m2 / (1 + m2);
+  }
+  return e.magnitudes.empty() ? 0 : sum / static_cast<double>(e.magnitudes.size());
+}
+
 /// What the estimate at the finest level is worth.
 PairMotion judged(const LogPicture& a, const LogPicture& b, const Estimate& e) {
   if (!e.enough) return failed("too few pixels in common");
   PairMotion motion;
   motion.b_from_a = e.t * a.cell;
-  motion.covariance = e.covariance * (a.cell * a.cell);
+  motion.covariance = (e.covariance + kAliasing * kAliasing * Mat2::Identity()) * (a.cell * a.cell);
   if (!(std::sqrt(e.covariance.trace()) < kLargestError)) {
     return failed(fmt::format("its content does not fix the motion (error {:.2g} px)", motion.error_px()));
   }
@@ -112,33 +127,55 @@ PairMotion judged(const LogPicture& a, const LogPicture& b, const Estimate& e) {
     Estimate still;
     still.match = e.match;
     still = iterate(a, b, still, 2, false);
-    if (still.enough && e.median > 1.02 * still.median) return failed("moving it would not match its neighbour better");
+    const double scale = std::max(e.median, 1e-3) / kMedianOfNormal;
+    if (still.enough && mean_loss(e, scale) > 1.01 * mean_loss(still, scale))
+      return failed("moving it would not match its neighbour better");
   }
   return motion;
 }
 
+/// Coarse to fine from `start` (photograph pixels) down to level `last`. The answer is in pixels of that level.
+Estimate descend(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start, std::size_t last) {
+  constexpr int kIterations = 10, kMatchIterations = 4;
+  Estimate e;
+  e.match = unmatched(a.front());
+  Vec2 shift = start;
+  for (std::size_t level = a.size(); level-- > last;) {
+    const double cell = a[level].cell;
+    Estimate next = e;
+    next.t = shift / cell;
+    // Before the first step the photometric match must know which pixels are outliers, or they would lead it.
+    if (!std::isfinite(next.match.scale)) next = iterate(a[level], b[level], next, kMatchIterations, false);
+    next = iterate(a[level], b[level], next, kIterations, true);
+    // A coarse level may have too little in common, or lead astray: then the finer ones speak for themselves.
+    const bool trusted = next.enough && (next.t * cell - shift).norm() < 3 * cell;
+    if (level > last && !trusted) continue;
+    e = next;
+    shift = e.t * cell;
+  }
+  return e;
+}
+
+/// Small for a match in many pixels: a wrong shift matches a few by chance.
+double badness(const Estimate& e) {
+  return e.enough ? e.median / std::sqrt(static_cast<double>(e.pixels)) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
-PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start) {
-  Estimate e;
-  if (!a.empty()) e.match = unmatched(a.front());
-  int level = static_cast<int>(std::min(a.size(), b.size())) - 1;
-  if (level < 0) return failed("no pixels");
-  Vec2 shift = start;
-  for (; level >= 0; --level) {
-    const LogPicture& pa = a[static_cast<std::size_t>(level)];
-    const LogPicture& pb = b[static_cast<std::size_t>(level)];
-    Estimate at_level = e;
-    at_level.t = shift / pa.cell;
-    at_level = iterate(pa, pb, at_level, 10, true);
-    if (!at_level.enough && level > 0) continue;
-    if (!at_level.enough) return failed("too few pixels in common");
-    if ((at_level.t * pa.cell - shift).norm() > 3 * pa.cell && level > 0)
-      continue;  // a bad level: let finer ones speak
-    e = at_level;
-    shift = e.t * pa.cell;
+PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, std::span<const Vec2> starts) {
+  constexpr double kNoiseLevel = 1.0;  // a median residual of about a standard deviation needs no rival
+  const std::size_t coarse = a.size() > 1 ? 1 : 0;
+  // Rivals are told apart at the last level but one, for a quarter of the work.
+  Estimate best;
+  for (const Vec2& start : starts) {
+    const Estimate e = descend(a, b, start, coarse);
+    if (badness(e) < badness(best)) best = e;
+    if (best.enough && &start == &starts.front() && best.median < kNoiseLevel) break;
   }
-  return judged(a.front(), b.front(), e);
+  if (!best.enough) return failed("too few pixels in common");
+  const Vec2 found = best.t * a[coarse].cell;
+  return judged(a.front(), b.front(), descend(a.first(1), b.first(1), found, 0));
 }
 
 PairMotion assess_shift(const LogPicture& a, const LogPicture& b, const Vec2& b_from_a) {

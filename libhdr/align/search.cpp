@@ -68,43 +68,69 @@ double parabola_top(double left, double middle, double right) {
   return bend < 0 ? std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : 0.0;
 }
 
+/// The correlations of all shifts within `radius`.
+class ShiftTable {
+ public:
+  ShiftTable(const LogPicture& a, const LogPicture& b, int radius)
+      : radius_(radius), side_(2 * radius + 1), table_(static_cast<std::size_t>(side_ * side_)) {
+    for_rows(side_, 1, [&](int row, int) {
+      for (int column = 0; column < side_; ++column) {
+        table_[static_cast<std::size_t>(row * side_ + column)] = correlate(a, b, column - radius_, row - radius_);
+      }
+    });
+    for (const Correlation& c : table_) most_ = std::max(most_, c.pixels);
+  }
+
+  /// How unlikely the correlation is by chance: Fisher's z in its standard deviations. 0 outside the table, and where
+  /// little of the overlap is left.
+  double significance(int dx, int dy) const {
+    if (std::max(std::abs(dx), std::abs(dy)) > radius_) return 0;
+    const Correlation& c = table_[static_cast<std::size_t>((dy + radius_) * side_ + dx + radius_)];
+    if (c.pixels < kFewestPixels || c.pixels < 0.3 * most_ || c.value <= 0) return 0;
+    return std::atanh(std::min(c.value, 0.9999)) * std::sqrt(c.pixels - 3.0);
+  }
+
+  bool is_peak(int dx, int dy) const {
+    const double here = significance(dx, dy);
+    for (int k = 0; k < 9; ++k) {
+      if (k != 4 && significance(dx + k % 3 - 1, dy + k / 3 - 1) > here) return false;
+    }
+    return here > 0;
+  }
+
+ private:
+  static constexpr int kFewestPixels = 16;
+  int radius_, side_;
+  std::vector<Correlation> table_;
+  int most_ = 0;
+};
+
 }  // namespace
 
-std::optional<Vec2> search_shift(const LogPicture& picture_a, const LogPicture& picture_b, int radius) {
+std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most) {
   constexpr int kDetail = 4;
-  const LogPicture a = detail_of(picture_a, kDetail), b = detail_of(picture_b, kDetail);
-  constexpr int kFewestPixels = 24;
-  const int side = 2 * radius + 1;
-  std::vector<Correlation> table(static_cast<std::size_t>(side * side));
-  for_rows(side, 1, [&](int row, int) {
-    for (int column = 0; column < side; ++column) {
-      table[static_cast<std::size_t>(row * side + column)] = correlate(a, b, column - radius, row - radius);
-    }
-  });
-  const auto at = [&](int dx, int dy) -> const Correlation& {
-    return table[static_cast<std::size_t>((dy + radius) * side + dx + radius)];
+  const ShiftTable table(detail_of(a, kDetail), detail_of(b, kDetail), radius);
+  struct Peak {
+    double significance;
+    int dx, dy;
   };
-  int most = 0;
-  for (const Correlation& c : table) most = std::max(most, c.pixels);
-  if (most < kFewestPixels) return std::nullopt;
-  // Few pixels correlate well by chance: a candidate must keep most of the overlap.
-  int best_x = 0, best_y = 0;
-  double best = -1;
+  std::vector<Peak> peaks;
   for (int dy = -radius; dy <= radius; ++dy) {
     for (int dx = -radius; dx <= radius; ++dx) {
-      if (at(dx, dy).pixels < 0.6 * most || at(dx, dy).value <= best) continue;
-      best = at(dx, dy).value;
-      best_x = dx;
-      best_y = dy;
+      if (table.is_peak(dx, dy)) peaks.push_back({table.significance(dx, dy), dx, dy});
     }
   }
-  if (best <= 0) return std::nullopt;
-  Vec2 peak(best_x, best_y);
-  if (std::abs(best_x) < radius && std::abs(best_y) < radius) {
-    peak.x() += parabola_top(at(best_x - 1, best_y).value, best, at(best_x + 1, best_y).value);
-    peak.y() += parabola_top(at(best_x, best_y - 1).value, best, at(best_x, best_y + 1).value);
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const Peak& p, const Peak& q) { return p.significance > q.significance; });
+  peaks.resize(std::min(peaks.size(), most));
+  std::vector<Vec2> shifts;
+  for (const Peak& p : peaks) {
+    const auto at = [&](int x, int y) { return table.significance(p.dx + x, p.dy + y); };
+    const Vec2 top(parabola_top(at(-1, 0), p.significance, at(1, 0)),
+                   parabola_top(at(0, -1), p.significance, at(0, 1)));
+    shifts.emplace_back((Vec2(p.dx, p.dy) + top) * a.cell);
   }
-  return Vec2(peak * a.cell);
+  return shifts;
 }
 
 }  // namespace hdr::internal

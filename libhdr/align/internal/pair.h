@@ -26,12 +26,12 @@ inline PairMotion failed(const std::string& why) {
   return motion;
 }
 
-/// search.cpp: the shift (in photograph pixels) of two small pictures with the highest masked correlation, every whole
-/// shift within `radius` of their pixels tried. nullopt: too little in common.
-std::optional<Vec2> search_shift(const LogPicture& a, const LogPicture& b, int radius);
+/// search.cpp: the shifts (in photograph pixels) at which two small pictures correlate best, the best first, every
+/// whole shift within `radius` of their pixels tried. Empty: too little in common.
+std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most);
 
-/// refine.cpp: coarse to fine from `start`, on pyramids whose first level is the finest.
-PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start);
+/// refine.cpp: coarse to fine from the best of `starts`, on pyramids whose first level is the finest.
+PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, std::span<const Vec2> starts);
 
 /// refine.cpp: the error of a shift found by other means, and whether it explains the pictures better than none does.
 PairMotion assess_shift(const LogPicture& a, const LogPicture& b, const Vec2& b_from_a);
