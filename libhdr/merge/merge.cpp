@@ -18,7 +18,8 @@ struct Shot {
   const Photo* photo;
   bool registered;  ///< already on the reference grid
   Mat3 photo_from_ref;
-  int clipped_code;
+  int clipped_code;               ///< from here up: any amount of light
+  std::array<int, 3> black_code;  ///< up to here: no light
   ContributionTable table;
   std::array<std::vector<float>, 3> radiance;  ///< exp(g(Z)) / H
 };
@@ -40,12 +41,15 @@ void check(const Bracket& bracket, const Alignment& alignment, const Response& r
 }
 
 Shot prepare(const Photo& photo, const Mat3& ref_from_photo, const Response& response, WeightKind kind) {
-  Shot shot{
-      &photo, ref_from_photo.isIdentity(0), ref_from_photo.inverse(), first_clipped_code(photo.bits, photo.lossy), {},
-      {}};
+  Shot shot;
+  shot.photo = &photo;
+  shot.registered = ref_from_photo.isIdentity(0);
+  shot.photo_from_ref = ref_from_photo.inverse();
+  shot.clipped_code = first_clipped_code(photo.bits, photo.lossy);
   const double exposure = photo.relative_exposure();
   for (int channel = 0; channel < 3; ++channel) {
     const auto c = static_cast<std::size_t>(channel);
+    shot.black_code[c] = response.black_code(channel);
     const std::vector<float> weights = code_weights(response, channel, photo.lossy, kind);
     const std::vector<float> exposures = response.exposure_table(channel);
     for (std::size_t code = 0; code < exposures.size(); ++code) {
@@ -59,7 +63,6 @@ Shot prepare(const Photo& photo, const Mat3& ref_from_photo, const Response& res
 
 /// Why a shot carries nothing, or an empty string: does any sample have a usable code?
 std::string reason_to_skip(const Shot& shot) {
-  const auto max_code = static_cast<std::uint32_t>(shot.photo->max_code());
   struct Found {
     bool usable = false, black = false, clipped = false;
   };
@@ -72,11 +75,12 @@ std::string reason_to_skip(const Shot& shot) {
               for (int y = first; y < last && !part.usable; ++y) {
                 const auto* row = image.row(y);
                 for (std::size_t k = 0; k < image.row_samples(); ++k) {
-                  const std::uint32_t code = row[k];
-                  HDR_ASSERT(code <= max_code);
-                  part.black |= code == 0;
-                  part.clipped |= code >= static_cast<std::uint32_t>(shot.clipped_code);
-                  part.usable |= code > 0 && code < static_cast<std::uint32_t>(shot.clipped_code);
+                  const int code = row[k];
+                  HDR_ASSERT(code <= shot.photo->max_code());
+                  const bool black = code <= shot.black_code[k % 3], clipped = code >= shot.clipped_code;
+                  part.black |= black;
+                  part.clipped |= clipped;
+                  part.usable |= !black && !clipped;
                 }
               }
               return part;
@@ -110,7 +114,7 @@ std::array<ChannelEvidence, 3> gather_evidence(const std::vector<Shot>& shots, i
       ChannelEvidence& e = evidence[c];
       if (code >= shot.clipped_code) {
         e.at_least = std::max(e.at_least, shot.radiance[c].back());
-      } else if (code == 0) {
+      } else if (code <= shot.black_code[c]) {
         const float black = shot.radiance[c].front();
         e.at_most = e.at_most < 0 ? black : std::min(e.at_most, black);
       }

@@ -37,15 +37,19 @@ std::vector<float> code_weights(const Response& response, int channel, bool loss
   const double max_code = std::ldexp(1.0, response.bits) - 1;
   const bool hat = kind == WeightKind::kHat || (kind == WeightKind::kAuto && lossy);
   const int clipped = first_clipped_code(response.bits, lossy);
+  const int black = response.black_code(channel);
   std::vector<float> weights(static_cast<std::size_t>(max_code) + 1);
-  for (int code = 1; code < clipped; ++code) {
+  for (int code = black + 1; code < clipped; ++code) {
+    const double value = (code - black) / (max_code - black);
     double weight = 0;
     if (hat) {
-      weight = squared_hat(code / max_code);
+      weight = squared_hat(value);
     } else {
-      // Noise lifts some clipped light below the last code and cuts what is just under it: the ramp from 96 % keeps
-      // both out while another shot can speak.
-      const double ramp = std::min(1.0, (1 - code / max_code) / 0.04);
+      // Noise lifts some clipped light below the last code and cuts what is just under it: the ramp over the last 4 %
+      // keeps both out while another shot can speak.
+      const double under_white = std::min(1.0, (1 - value) / 0.04);
+      const double over_pedestal = black > 0 ? std::min(1.0, value / 0.04) : 1.0;
+      const double ramp = under_white * over_pedestal;
       weight = 1e-4 * ramp * ramp / relative_variance(response, channel, code, max_code);
     }
     weights[static_cast<std::size_t>(code)] = static_cast<float>(std::clamp(weight, 1e-8, 1e4));

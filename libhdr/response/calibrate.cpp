@@ -84,7 +84,7 @@ void make_nondecreasing(std::vector<double>& values) {
   for (const Block& block : blocks) out = std::fill_n(out, block.count, block.mean);
 }
 
-std::vector<double> curve_from_fit(const Knots& knots, const Eigen::VectorXd& g, int bits) {
+std::vector<double> curve_from_fit(const Knots& knots, const Eigen::VectorXd& g, int bits, double black_level) {
   const auto at = [&](double code) {
     const Knots::Place place = knots.place(code);
     return (1 - place.t) * g[place.knot] + place.t * g[place.knot + 1];
@@ -92,9 +92,12 @@ std::vector<double> curve_from_fit(const Knots& knots, const Eigen::VectorXd& g,
   Response codes;
   codes.bits = bits;
   std::vector<double> curve;
-  // g(0) is half the exposure of code 1/2, as Response has it.
-  curve.push_back(at(0.5) - std::log(2.0));
-  for (int level = 1; level < response_levels(bits); ++level) curve.push_back(at(codes.code_from_level(level)));
+  // g(0) is half the exposure of code 1/2, as Response has it, and so are all codes up to a black level.
+  const double black = at(black_level + 0.5) - std::log(2.0);
+  for (int level = 0; level < response_levels(bits); ++level) {
+    const double code = codes.code_from_level(level);
+    curve.push_back(code <= black_level ? black : at(code));
+  }
   make_nondecreasing(curve);
   const double middle = curve[curve.size() / 2];
   for (double& value : curve) value -= middle;
@@ -185,7 +188,7 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
   double squares = 0, count = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (seen.codes[c].rows() == 0) continue;
-    result.response.g[c] = curve_from_fit(knots, fits[c].g, seen.bits);
+    result.response.g[c] = curve_from_fit(knots, fits[c].g, seen.bits, seen.black_level[c]);
     if (!(result.response.g[c].back() > result.response.g[c].front() + 0.1)) {
       throw Error(bracket.shots.front().path.string() +
                   ": longer exposures are not brighter in this bracket; check the times against the files");

@@ -46,6 +46,13 @@ double Response::ln_exposure(int channel, double code) const {
   return std::log(exposure(channel, code));
 }
 
+int Response::black_code(int channel) const {
+  const std::vector<double>& curve = g[static_cast<std::size_t>(channel)];
+  int level = 0;
+  while (level + 1 < levels() && curve[static_cast<std::size_t>(level) + 1] <= curve[0]) ++level;
+  return static_cast<int>(code_from_level(level));
+}
+
 std::vector<float> Response::exposure_table(int channel) const {
   std::vector<float> table(std::size_t{1} << bits);
   for (std::size_t code = 0; code < table.size(); ++code) {

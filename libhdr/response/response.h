@@ -14,7 +14,8 @@ namespace hdr {
 /// k 2^(bits-12)). Between samples and beyond the last one the exposure exp(g) is linear in the code. Nondecreasing.
 ///
 /// Code 0 has no single exposure: it is what rounds to no light. g(0) stands for the middle of that cell, half the
-/// exposure at which code 1/2 is reached, so it is finite.
+/// exposure at which code 1/2 is reached, so it is finite. A curve that starts flat has a black level: scans of film
+/// and some cameras never write less than a pedestal, and all codes up to it mean what code 0 means.
 struct Response {
   int bits = 8;
   std::array<std::vector<double>, 3> g;  ///< natural logs, R G B
@@ -25,6 +26,7 @@ struct Response {
   double exposure(int channel, double code) const;     ///< exp(g(code))
   /// exp(g) for every code 0 .. 2^bits - 1, for table-driven loops.
   std::vector<float> exposure_table(int channel) const;
+  int black_code(int channel) const;  ///< the last code that means no light: 0, or the end of the flat start
   /// exposure_thresholds()[k] is the exposure that stands half-way, in code, between k and k+1: less than it gives
   /// code k or below. 2^bits - 1 of them, nondecreasing.
   std::vector<double> exposure_thresholds(int channel) const;

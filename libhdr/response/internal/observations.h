@@ -15,6 +15,8 @@ struct Observations {
   int bits = 8;
   Eigen::VectorXd ln_exposure;  ///< ln H_j
   std::array<Eigen::MatrixXd, 3> codes;
+  /// Codes up to here no longer fall with the exposure: scans of film, and cameras that keep a pedestal, never reach 0.
+  std::array<double, 3> black_level{0, 0, 0};
 };
 
 /// Codes that can be trusted to follow the light: above the noise of black, below what clipping touches.
