@@ -123,6 +123,7 @@ void drop_outliers(Observations& seen, const Knots& knots, const std::array<Curv
   }
   const double limit = std::max(1e-6, kOutlier * residual_scale(residuals));
   for (std::size_t c = 0; c < 3; ++c) {
+    if (seen.codes[c].rows() == 0) continue;
     seen.codes[c] = (residuals[c].array().abs() > limit).select(NAN, seen.codes[c].array()).matrix().eval();
     seen.codes[c] = rows_seen_twice(seen.codes[c], seen.ln_exposure);
   }

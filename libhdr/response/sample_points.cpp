@@ -125,16 +125,17 @@ std::vector<std::size_t> choose(std::vector<Ranked> ranked, int points) {
   return chosen;
 }
 
-/// The largest dark code that hardly falls from a shot to the next shorter one. Under any usual response a stop less
-/// light lowers a code by a fifth or more; 7 % tells a pedestal, with its noise, from a curve. 0 when there is none.
+/// The largest dark code that in most places hardly falls from a shot to the next shorter one. Under any usual response
+/// a stop less light lowers a code by a fifth or more; 7 % tells a pedestal, with its noise, from a curve. 0 when there
+/// is none.
 double find_black_level(const std::vector<WindowCodes>& windows, const Bracket& bracket,
                         const Eigen::VectorXd& ln_exposure, int channel) {
   constexpr int kDarkest = 32;           // in 8-bit codes: a pedestal is not higher
   constexpr double kLeastFall = 0.07;    // of the code, for a stop
-  constexpr double kFewestWindows = 20;  // to believe a mean
+  constexpr double kFewestWindows = 20;  // to believe a majority
   const double unit = std::ldexp(1.0, bracket.bits() - 8);
   const std::size_t shots = bracket.shots.size();
-  std::array<double, kDarkest> count{}, fall{};
+  std::array<double, kDarkest> count{}, still{};
   for (std::size_t k = 0; k < windows.size(); k += 3 * shots) {
     for (std::size_t j = 0; j + 1 < shots; ++j) {
       const double stops =
@@ -144,12 +145,12 @@ double find_black_level(const std::vector<WindowCodes>& windows, const Bracket& 
       const auto code = static_cast<std::size_t>(std::lround(std::isnan(longer) ? 0 : longer / unit));
       if (std::isnan(shorter) || code < 4 || code >= kDarkest || stops < 0.3) continue;
       ++count[code];
-      fall[code] += (longer - shorter) / (longer * stops);
+      still[code] += longer - shorter < kLeastFall * stops * longer;
     }
   }
   double black = 0;
   for (std::size_t code = 0; code < kDarkest; ++code) {
-    if (count[code] >= kFewestWindows && fall[code] < kLeastFall * count[code]) {
+    if (count[code] >= kFewestWindows && still[code] > 0.5 * count[code]) {
       black = static_cast<double>(code) * unit;
     }
   }
