@@ -147,14 +147,16 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   internal::refuse_duplicates(paths);
   const auto headers =
       in_parallel<PhotoHeader>(paths.size(), [&](std::size_t i) { return internal::decode_photo_header(paths[i]); });
-  internal::require_one_size_and_depth(headers);
+  internal::require_one_depth(headers);
+  Bracket bracket;
+  const Size size = internal::common_size(headers, bracket.warnings);
   std::vector<Exposure> exposures;
   for (const PhotoHeader& header : headers) exposures.push_back(header.exposure);
   replace_times(exposures, paths, options.times);
   if (!options.exposures) require_times(exposures, paths);  // before anything is decoded
 
-  Bracket bracket;
   bracket.shots = in_parallel<Photo>(paths.size(), [&](std::size_t i) { return internal::decode_photo(paths[i]); });
+  for (Photo& shot : bracket.shots) internal::crop(shot, size);
   auto brightness =
       in_parallel<Brightness>(paths.size(), [&](std::size_t i) { return internal::brightness_of(bracket.shots[i]); });
   if (options.exposures) {

@@ -21,8 +21,9 @@ struct BracketOptions {
 std::vector<Path> expand_shots(const std::vector<Path>& files_or_folder);
 
 /// Reads the shots (in parallel) into a Bracket, sorted by exposure. Errors: no exposure time, NaN/zero/negative time,
-/// too few or too many times, mixed sizes or bit depths, all exposures equal, the same file twice, a longer exposure
-/// that is darker throughout (two files named), anything read_photo throws.
+/// too few or too many times, sizes more than 5 % apart (shots
+/// trimmed by hand are cropped to what they share), mixed bit depths, all exposures equal, the same file twice, a
+/// longer exposure that is darker throughout (two files named), anything read_photo throws.
 Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOptions& options = {});
 
 }  // namespace hdr

@@ -111,6 +111,23 @@ Environment::Sample Environment::lookup(const Vec3f& dir) const {
                    std::min(static_cast<int>(uv.y() * map_.height()), map_.height() - 1));
 }
 
+Rgbf Environment::smooth_radiance(const Vec3f& dir) const {
+  const Vec2 uv = latlong_from_dir(dir.cast<double>());
+  const int width = map_.width(), height = map_.height();
+  const double x = uv.x() * width - 0.5, y = std::clamp(uv.y() * height - 0.5, 0.0, height - 1.0);
+  const double column = std::floor(x);
+  const int x0 = (static_cast<int>(column) + width) % width, x1 = (x0 + 1) % width;  // the seam is no edge
+  const int y0 = static_cast<int>(y), y1 = std::min(y0 + 1, height - 1);
+  const auto fx = static_cast<float>(x - column), fy = static_cast<float>(y - y0);
+  const auto at = [this](int i, int j) {
+    const float* p = map_.pixel(i, j);
+    return Rgbf(p[0], p[1], p[2]);
+  };
+  const Rgbf top = at(x0, y0) * (1 - fx) + at(x1, y0) * fx;
+  const Rgbf bottom = at(x0, y1) * (1 - fx) + at(x1, y1) * fx;
+  return top * (1 - fy) + bottom * fy;
+}
+
 Vec2 Environment::invert(const Vec3f& dir) const {
   const Place place = place_of(dir, map_.size());
   return {columns_[static_cast<std::size_t>(place.y)].invert({place.x, place.across}),

@@ -32,6 +32,8 @@ class Environment {
   Sample sample(const Vec2& u) const;     ///< u in [0,1)^2
   Sample lookup(const Vec3f& dir) const;  ///< the pixel that a direction meets, and its pdf
   Rgbf radiance(const Vec3f& dir) const { return lookup(dir).radiance; }
+  /// Between pixel centres, for what is looked at (backdrops, mirrors); light is computed from the pixels as they are.
+  Rgbf smooth_radiance(const Vec3f& dir) const;
   float pdf(const Vec3f& dir) const { return lookup(dir).pdf; }
   Vec2 invert(const Vec3f& dir) const;  ///< u with sample(u).dir = dir; where pdf(dir) is 0, the nearest u there is
 

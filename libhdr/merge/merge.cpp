@@ -21,7 +21,7 @@ struct Shot {
   int clipped_code;               ///< from here up: any amount of light
   std::array<int, 3> black_code;  ///< up to here: no light
   ContributionTable table;
-  std::array<std::vector<float>, 3> radiance;  ///< exp(g(Z)) / H
+  std::array<std::vector<float>, 3> radiance;  ///< exp(g(Z)) H_unit / H
 };
 
 void check(const Bracket& bracket, const Alignment& alignment, const Response& response) {
@@ -40,13 +40,14 @@ void check(const Bracket& bracket, const Alignment& alignment, const Response& r
   }
 }
 
-Shot prepare(const Photo& photo, const Mat3& ref_from_photo, const Response& response, WeightKind kind) {
+Shot prepare(const Photo& photo, const Mat3& ref_from_photo, const Response& response, WeightKind kind,
+             double exposure_unit) {
   Shot shot;
   shot.photo = &photo;
   shot.registered = ref_from_photo.isIdentity(0);
   shot.photo_from_ref = ref_from_photo.inverse();
   shot.clipped_code = first_clipped_code(photo.bits, photo.lossy);
-  const double exposure = photo.relative_exposure();
+  const double exposure = photo.relative_exposure() / exposure_unit;
   for (int channel = 0; channel < 3; ++channel) {
     const auto c = static_cast<std::size_t>(channel);
     shot.black_code[c] = response.black_code(channel);
@@ -169,9 +170,11 @@ Merged merge(const Bracket& bracket, const Alignment& alignment, const Response&
   check(bracket, alignment, response);
   Merged merged;
   merged.frames.resize(bracket.shots.size());
+  merged.exposure_unit = bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure();
   std::vector<Shot> shots;
   for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-    Shot shot = prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, options.weight);
+    Shot shot =
+        prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, options.weight, merged.exposure_unit);
     merged.frames[j].skipped = reason_to_skip(shot);
     merged.frames[j].used = merged.frames[j].skipped.empty();
     if (merged.frames[j].used) shots.push_back(std::move(shot));
@@ -179,7 +182,8 @@ Merged merge(const Bracket& bracket, const Alignment& alignment, const Response&
   if (shots.empty()) {
     // Every shot is black or clipped throughout: the bounds that they give are all there is.
     for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-      shots.push_back(prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, options.weight));
+      shots.push_back(prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, options.weight,
+                              merged.exposure_unit));
       merged.frames[j] = {true, ""};
     }
   }

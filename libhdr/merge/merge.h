@@ -22,6 +22,8 @@ struct MergedFrame {
   std::string skipped;  ///< why the shot carried nothing, e.g. "all black"
 };
 
+/// The unit: radiance 1 gives the middle code at relative exposure `exposure_unit`, that of the bracket's middle shot.
+/// So maps of long brackets stay within half floats, and radiance / exposure_unit compares maps of one camera.
 /// `clipped` and `dark` count pixels of which a channel is clipped (black) in every shot: their value is a bound. The
 /// radiance of such a clipped pixel is never below what saturates the shortest shot.
 struct Merged {
@@ -29,11 +31,13 @@ struct Merged {
   std::vector<MergedFrame> frames;  ///< in the order of Bracket::shots
   std::int64_t clipped = 0;
   std::int64_t dark = 0;
+  double exposure_unit = 1;
   double stops = 0;  ///< log2 of the 99.9 % over the 0.1 % quantile of positive luminance
 };
 
-/// Weighted mean of linear radiance exp(g(Z)) / H. Weights fall to zero at both ends faster than the hat; a clipped
-/// code counts only in the shortest exposure, a black one only in the longest. Never NaN, infinite or negative.
+/// Weighted mean of linear radiance exp(g(Z)) / H, in the unit above. Weights fall to zero at both ends faster than the
+/// hat; a clipped code counts only in the shortest exposure, a black one only in the longest. Never NaN, infinite or
+/// negative.
 Merged merge(const Bracket& bracket, const Alignment& alignment, const Response& response,
              const MergeOptions& options = {});
 

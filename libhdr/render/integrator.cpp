@@ -76,7 +76,7 @@ Integrator::Seen Integrator::seen(const Vec3f& origin, const Vec3f& dir, std::ui
     ++rays;
     const std::optional<Hit> hit = tracer_.intersect(from, towards);
     if (!hit) {
-      result.radiance = reflected * light_.radiance(towards).cast<double>();
+      result.radiance = reflected * light_.smooth_radiance(towards).cast<double>();
       return result;
     }
     result.hit = true;

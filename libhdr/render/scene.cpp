@@ -85,9 +85,12 @@ Scene spheres_on_plane() {
   const Material mirror{MaterialKind::kMirror, Rgbf::Constant(0.95f), 0};
   Scene scene;
   scene.meshes.push_back(plane_mesh(8, 0, grey));
-  scene.meshes.push_back(sphere_mesh({-kApart, kRadius, 0}, kRadius, grey));
+  scene.meshes.push_back(sphere_mesh({0, kRadius, kApart}, kRadius, grey));
   scene.meshes.push_back(sphere_mesh({0, kRadius, 0}, kRadius, gold));
-  scene.meshes.push_back(sphere_mesh({kApart, kRadius, 0}, kRadius, mirror));
+  scene.meshes.push_back(sphere_mesh({0, kRadius, -kApart}, kRadius, mirror));
+  // Across the axis of a mirror ball's probe: neither the photographer (+Z) nor the blind spot (-Z) is the backdrop.
+  scene.camera.eye = {6, 1.5f, 0};
+  scene.camera.look = {0, 0.8f, 0};
   return scene;
 }
 

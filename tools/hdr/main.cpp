@@ -38,7 +38,7 @@ void print_map() {
   const char* group = "";
   for (const Verb& verb : kVerbs) {
     if (std::string_view(group) != verb.group) fmt::print("\n  {}\n", group = verb.group);
-    fmt::print("    {:<10} {:<62}\n", verb.name, verb.sentence);
+    fmt::print("    {:<10} {}\n", verb.name, verb.sentence);
   }
   fmt::print(
       "\nThe main job:      hdr probe shots/ -o probe.exr && hdr render --probe probe.exr -o render.exr\n"

@@ -16,7 +16,7 @@ std::function<int(Run&)> declare_merge(CLI::App& app) {
     const MergeResult result = merge_shots(run, options->pipeline);
     answer_merge(run, result);
     run.stage("write", [&] {
-      write_map(options->output, result.merged.map, provenance_of(run, result.bracket), options->write.options());
+      write_map(options->output, result.merged.map, provenance_of(run, result), options->write.options());
     });
     run.say("wrote " + options->output);
     return 0;

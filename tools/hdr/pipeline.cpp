@@ -30,10 +30,8 @@ void MergePipelineOptions::declare(CLI::App& app) {
   app.add_option("--align", align, "auto, none, mtb, ecc or features")->capture_default_str();
 }
 
-Bracket read_shots(Run& run, const ShotsOptions& options, bool allow_equal_exposures) {
-  BracketOptions bracket_options = options.bracket_options();
-  bracket_options.allow_equal_exposures = allow_equal_exposures;
-  Bracket bracket = run.stage("read", [&] { return read_bracket(options.files, bracket_options); });
+Bracket read_shots(Run& run, const ShotsOptions& options) {
+  Bracket bracket = run.stage("read", [&] { return read_bracket(options.files, options.bracket_options()); });
   for (const std::string& warning : bracket.warnings) run.warn(warning);
   return bracket;
 }
@@ -81,7 +79,7 @@ Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& a
 
 MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
   const AlignMethod method = align_method(options.align);
-  Bracket bracket = read_shots(run, options.shots, options.merge.response != "fit");
+  Bracket bracket = read_shots(run, options.shots);
   const std::optional<Response> known = known_response(options.merge.response, bracket.bits());
   Alignment alignment = align_shots(run, bracket, known, method);
   Response response;
@@ -109,7 +107,8 @@ Provenance provenance_of(const Run& run, const Path& input) {
   return provenance;
 }
 
-Provenance provenance_of(const Run& run, const Bracket& bracket) {
+Provenance provenance_of(const Run& run, const MergeResult& result) {
+  const Bracket& bracket = result.bracket;
   Provenance provenance = provenance_of(run, Path{});
   std::string inputs, exposures;
   for (const Photo& shot : bracket.shots) {
@@ -118,6 +117,7 @@ Provenance provenance_of(const Run& run, const Bracket& bracket) {
   }
   provenance.add("input", inputs);
   provenance.add("exposures", exposures);
+  provenance.add("exposure_unit", fmt::format("{}", result.merged.exposure_unit));
   return provenance;
 }
 
@@ -165,6 +165,7 @@ void answer_merge(Run& run, const MergeResult& result) {
   run.answer["clipped"] = result.merged.clipped;
   run.answer["dark"] = result.merged.dark;
   run.answer["stops"] = result.merged.stops;
+  run.answer["exposure_unit"] = result.merged.exposure_unit;
   run.answer["reference"] = bracket.shots[static_cast<std::size_t>(result.alignment.reference)].path.string();
   Json frames = Json::array();
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {

@@ -28,7 +28,7 @@ struct MergeResult {
   Merged merged;
 };
 
-Bracket read_shots(Run& run, const ShotsOptions& options, bool allow_equal_exposures = false);
+Bracket read_shots(Run& run, const ShotsOptions& options);
 
 /// Response from --response, or nothing when it is to be fitted.
 std::optional<Response> known_response(const std::string& text, int bits);
@@ -41,7 +41,7 @@ Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& a
 MergeResult merge_shots(Run& run, const MergePipelineOptions& options);
 
 /// Version, options, shots with their exposures (names without folders).
-Provenance provenance_of(const Run& run, const Bracket& bracket);
+Provenance provenance_of(const Run& run, const MergeResult& result);
 Provenance provenance_of(const Run& run, const Path& input);
 
 /// Rows of the answer, in the order in which the user named the files.

@@ -24,7 +24,7 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
     answer_merge(run, result);
     const std::string reference = run.answer["reference"];
     const RadianceMap probe = unwrap_picture(run, result.merged.map, options->unwrap, MirrorBall::kName, reference);
-    const Provenance provenance = provenance_of(run, result.bracket);
+    const Provenance provenance = provenance_of(run, result);
     run.stage("write", [&] {
       write_map(options->output, probe, provenance, options->write.options());
       if (!options->map_output.empty())

@@ -38,14 +38,40 @@ void refuse_duplicates(const std::vector<Path>& paths) {
   }
 }
 
-void require_one_size_and_depth(const std::vector<PhotoHeader>& headers) {
+Size common_size(const std::vector<PhotoHeader>& headers, std::vector<std::string>& warnings) {
   const PhotoHeader& first = headers.front();
+  Size smallest = first.size, largest = first.size;
   for (const PhotoHeader& other : headers) {
-    if (other.size != first.size) {
-      throw Error(fmt::format("{}: {} x {} pixels, but {} has {} x {}; the shots of a bracket have one size",
+    smallest = {std::min(smallest.width, other.size.width), std::min(smallest.height, other.size.height)};
+    largest = {std::max(largest.width, other.size.width), std::max(largest.height, other.size.height)};
+    constexpr double kTrimmed = 1.05;
+    if (largest.width > kTrimmed * smallest.width || largest.height > kTrimmed * smallest.height) {
+      throw Error(fmt::format("{}: {}x{} pixels, but {} has {}x{}; the shots of a bracket have one size",
                               other.path.string(), other.size.width, other.size.height, first.path.string(),
                               first.size.width, first.size.height));
     }
+  }
+  if (smallest != largest) {
+    warnings.push_back(fmt::format("the shots are up to {}x{} pixels; their top left {}x{} are used", largest.width,
+                                   largest.height, smallest.width, smallest.height));
+  }
+  return smallest;
+}
+
+void crop(Photo& photo, Size size) {
+  if (photo.size() == size) return;
+  std::visit(
+      [size](auto& codes) {
+        std::decay_t<decltype(codes)> cropped(size, codes.channels());
+        for (int y = 0; y < size.height; ++y) std::copy_n(codes.row(y), cropped.row_samples(), cropped.row(y));
+        codes = std::move(cropped);
+      },
+      photo.codes);
+}
+
+void require_one_depth(const std::vector<PhotoHeader>& headers) {
+  const PhotoHeader& first = headers.front();
+  for (const PhotoHeader& other : headers) {
     if (other.bits != first.bits) {
       throw Error(fmt::format("{}: {} bits, but {} has {}; the shots of a bracket have one depth", other.path.string(),
                               other.bits, first.path.string(), first.bits));

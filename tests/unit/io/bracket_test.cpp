@@ -143,14 +143,27 @@ TEST(Bracket, WhatCannotBeABracketIsRefused) {
   const auto message = [&](const std::vector<Path>& files) { return error_of([&] { read_bracket(files); }); };
 
   const std::string sizes = message({paths[0], scratch / "small.png"});
-  EXPECT_NE(sizes.find("small.png: 60 x 40"), std::string::npos) << sizes;
-  EXPECT_NE(sizes.find("a.png has 120 x 80"), std::string::npos) << sizes;
+  EXPECT_NE(sizes.find("small.png: 60x40"), std::string::npos) << sizes;
+  EXPECT_NE(sizes.find("a.png has 120x80"), std::string::npos) << sizes;
   EXPECT_NE(message({paths[0], scratch / "deep.png"}).find("deep.png: 16 bits, but"), std::string::npos);
   EXPECT_NE(message({paths[0], paths[0]}).find("a.png: named twice"), std::string::npos);
   EXPECT_NE(message({paths[0], scratch / "link.png"}).find("link.png: named twice (also as"), std::string::npos);
   EXPECT_NE(message({}).find("no photographs named"), std::string::npos);
   EXPECT_NE(message({scratch / "empty"}).find("empty: no photographs"), std::string::npos);
   EXPECT_NE(message({scratch / "absent.jpg"}).find("absent.jpg: no such file"), std::string::npos);
+}
+
+TEST(Bracket, ShotsTrimmedByHandShareTheirTopLeft) {
+  const ScratchDir scratch;
+  write_photo(scratch / "a.png", shot_of_scene(0.5, 0, {122, 80}));
+  write_photo(scratch / "b.png", shot_of_scene(2, 1, {120, 83}));
+  const Bracket bracket = read_bracket({scratch.path()});
+  EXPECT_EQ(bracket.size(), (Size{120, 80}));
+  ASSERT_EQ(bracket.warnings.size(), 1u);
+  EXPECT_NE(bracket.warnings[0].find("122x83"), std::string::npos) << bracket.warnings[0];
+  const Photo whole = read_photo(scratch / "b.png");
+  const auto& kept = std::get<Image<std::uint8_t>>(bracket.shots[1].codes);
+  EXPECT_EQ(kept(119, 79, 2), std::get<Image<std::uint8_t>>(whole.codes)(119, 79, 2)) << "coordinates stay";
 }
 
 TEST(Bracket, SettingsThatOnlySomeShotsHaveAreDroppedForAll) {

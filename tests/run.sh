@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs every test through ctest. This is what CI runs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source samples/packages.sh
+install_packages "${HDR_BUILD_PACKAGES[@]}" "${HDR_TEST_PACKAGES[@]}"
+
+cmake --preset ci -DHDR_BUILD_TESTS=ON >/dev/null
+cmake --build build/release
+ctest --test-dir build/release --output-on-failure -j "$(nproc)" "$@"
