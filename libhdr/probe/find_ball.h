@@ -13,8 +13,10 @@ struct FoundBall {
   double residual_px = 0;  ///< rms distance of the supporting edge points from the circle
 };
 
-/// The outline of a sphere in a full frame: edges of log radiance, a voting circle search from coarse to fine, then a
-/// robust least-squares circle through sub-pixel edge points. nullopt when no circle has enough support.
+/// The outline of a mirrored sphere in a full frame of linear radiance: edges vote for circles (Hough), and the circle
+/// wins along which the reflection's crowding towards the rim shows (probe/internal/outline.h); it is then placed from
+/// coarse to fine. nullopt when no circle has that evidence. Where a plain wall meets its own reflection the outline
+/// cannot be seen, and the circle is less sure than residual_px says.
 std::optional<FoundBall> find_ball(View<const float> rgb);
 
 }  // namespace hdr

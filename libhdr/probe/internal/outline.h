@@ -1,0 +1,45 @@
+#pragma once
+// Does a circle bound a mirrored sphere, and where exactly? Read along radii of the picture.
+//
+// A mirrored sphere has no outline of its own colour: at the rim it shows what is straight behind it. But just inside,
+// the reflection sweeps the scene at a rate that is infinite at the rim: the normal's angle goes as sqrt(x), x the
+// distance to the rim. Take radiance along a radius for a random walk: outside its clock runs evenly, inside as
+// sqrt(x), and where the clock changes is the outline. A step there (a tarnished sphere, a far camera's backdrop) is
+// allowed, but a step alone is the edge of something else and counts as no evidence.
+#include <memory>
+
+#include "libhdr/core/image.h"
+#include "libhdr/probe/projection.h"
+
+namespace hdr::internal {
+
+struct OutlineFit {
+  Disc disc;
+  double evidence = 0;     ///< mean over the radii of ln(likelihood with an outline / with anything else), bounded
+  double support = 0;      ///< share of the radii, of those in the frame, that speak for the outline
+  double in_frame = 0;     ///< share of the outline that the picture shows
+  double residual_px = 0;  ///< rms distance of the supporting radii's own best places from the circle
+};
+
+struct OutlineSearch {
+  int radii = 128;         ///< profiles around the circle
+  int half_window_px = 7;  ///< profiles reach this far to both sides, beyond the search
+  double range_px = 4;     ///< how far the outline may be from the first guess
+  double step_px = 0.125;  ///< the places along a profile that are tried
+  double noise = 1e-3;     ///< standard deviation of a pixel, as a share of its value
+};
+
+/// Finds the circle near a guess with the most evidence in a picture of luminance.
+class OutlineModel {
+ public:
+  explicit OutlineModel(const OutlineSearch& search);
+  OutlineFit fit(View<const float> luminance, const Disc& guess) const;
+
+  struct Tables;
+
+ private:
+  OutlineSearch search_;
+  std::shared_ptr<const Tables> tables_;
+};
+
+}  // namespace hdr::internal
