@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "libhdr/core/parallel.h"
@@ -10,7 +11,7 @@
 namespace hdr::internal {
 namespace {
 
-constexpr int kRowsPerBlock = 16;
+constexpr int kRowsPerBlock = 32;
 constexpr int kRimSamples = 8;  ///< an axis, at least, in a pixel that the source covers partly
 
 /// Positions in the source of the centres of three rows of output pixels, with a column more on each side.
@@ -48,13 +49,13 @@ Stretch stretch(const SourcePicture& source, const Vec2* before, const Vec2& cen
   for (const Vec2* neighbour : {before, after}) {
     if (!neighbour) continue;
     if (somewhere(*neighbour) && somewhere(centre)) {
-      result.px = std::max(result.px, source.displacement(centre, *neighbour).norm());
+      result.px = std::max(result.px, source.distance(centre, *neighbour));
     } else {
       result.at_edge = true;
     }
   }
   if (!somewhere(centre) && before && after && somewhere(*before) && somewhere(*after)) {
-    result.px = 0.5 * source.displacement(*before, *after).norm();
+    result.px = 0.5 * source.distance(*before, *after);
   }
   return result;
 }
@@ -66,6 +67,36 @@ int samples(const Stretch& along, bool at_edge, int max_samples) {
   const double px = std::min(along.px, 1e6) - kRounding;
   const int wanted = px <= 1 ? 1 : static_cast<int>(std::ceil(kDensity * px));
   return std::min(std::max(wanted, at_edge ? kRimSamples : 1), max_samples);
+}
+
+/// Source positions around a pixel's centre, u and v in output pixels, as a quadratic through the nine centres.
+struct Quadratic {
+  Vec2 centre, u, v, uu, vv, uv;
+  Vec2 operator()(double du, double dv) const { return centre + du * (u + du * uu + dv * uv) + dv * (v + dv * vv); }
+};
+
+/// nullopt where the nine are not all there or bend too much to trust: at seams, poles and rims.
+std::optional<Quadratic> quadratic_around(const SourcePicture& source, const CentreRows& centres, int x, int y) {
+  constexpr double kMostBend = 0.1;  // third differences are then some hundredths of the pixel's own stretch
+  const Vec2& centre = centres.at(x, y);
+  Vec2 to[3][3];
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec2* neighbour = centres.neighbour(x + i - 1, y + j - 1);
+      if (!neighbour || !somewhere(*neighbour)) return std::nullopt;
+      to[j][i] = source.step(centre, *neighbour);
+    }
+  }
+  const Quadratic q{centre,
+                    0.5 * (to[1][2] - to[1][0]),
+                    0.5 * (to[2][1] - to[0][1]),
+                    0.5 * (to[1][2] + to[1][0]),
+                    0.5 * (to[2][1] + to[0][1]),
+                    0.25 * (to[2][2] - to[2][0] - to[0][2] + to[0][0])};
+  const double stretch2 = std::min(q.u.squaredNorm(), q.v.squaredNorm());
+  const double bend2 = std::max({q.uu.squaredNorm(), q.vv.squaredNorm(), q.uv.squaredNorm()});
+  if (bend2 > kMostBend * kMostBend * stretch2) return std::nullopt;
+  return q;
 }
 
 class PixelAverage {
@@ -87,15 +118,7 @@ class PixelAverage {
     std::fill(sum_.begin(), sum_.end(), 0.0);
     const int nx = samples(across, at_edge, max_samples_);
     const int ny = samples(down, at_edge, max_samples_);
-    int covered = 0;
-    if (nx == 1 && ny == 1) {
-      covered = add(centre);
-    } else {
-      for (int j = 0; j < ny; ++j) {
-        map_({x + 0.5 / nx, y + (j + 0.5) / ny, 1.0 / nx, nx}, run_.data());
-        for (int i = 0; i < nx; ++i) covered += add(run_[static_cast<std::size_t>(i)]);
-      }
-    }
+    const int covered = nx * ny == 1 ? add(centre) : add_grid(centres, x, y, nx, ny);
     if (covered == 0) return;
     for (std::size_t c = 0; c < sum_.size(); ++c) mean[c] = static_cast<float>(sum_[c] / covered);
     *coverage = static_cast<float>(covered) / static_cast<float>(nx * ny);
@@ -109,6 +132,20 @@ class PixelAverage {
       }
     }
     return false;
+  }
+
+  /// Adds nx x ny samples of pixel (x, y); returns how many the source has.
+  int add_grid(const CentreRows& centres, int x, int y, int nx, int ny) {
+    int covered = 0;
+    const auto quadratic = quadratic_around(source_, centres, x, y);
+    for (int j = 0; j < ny; ++j) {
+      if (!quadratic) map_({x + 0.5 / nx, y + (j + 0.5) / ny, 1.0 / nx, nx}, run_.data());
+      for (int i = 0; i < nx; ++i) {
+        covered += add(quadratic ? (*quadratic)((i + 0.5) / nx - 0.5, (j + 0.5) / ny - 0.5)
+                                 : run_[static_cast<std::size_t>(i)]);
+      }
+    }
+    return covered;
   }
 
   int add(const Vec2& px) {

@@ -74,7 +74,7 @@ std::optional<Vec3> MirrorBall::dir_from_px(const Vec2& px) const {
 /// For a far camera -Z is the whole rim; its rightmost point stands for it.
 std::optional<Vec2> MirrorBall::px_from_dir(const Vec3& dir) const {
   require_outside(distance);
-  const double sin_theta = std::hypot(dir.x(), dir.y());
+  const double sin_theta = std::sqrt(dir.x() * dir.x() + dir.y() * dir.y());
   const auto radius = std::isinf(distance) ? std::optional(far_radius(sin_theta, dir.z()))
                                            : near_radius(std::atan2(sin_theta, dir.z()), distance);
   if (!radius) return std::nullopt;

@@ -107,15 +107,19 @@ void SourcePicture::add_inside_disc(const Vec2& px, double* sum) const {
   add_weighted(pixels_.pixel(x, y), 1, pixels_.channels(), sum);
 }
 
-Vec2 SourcePicture::displacement(const Vec2& a, const Vec2& b) const {
+Vec2 SourcePicture::step(const Vec2& a, const Vec2& b) const {
   Vec2 d = b - a;
-  if (!latlong_) return d;
-  constexpr double kLeastShortening = 0.25;  // no pixel is missed but within 15 degrees of the poles
   const double width = pixels_.width();
-  if (d.x() > 0.5 * width) d.x() -= width;
-  if (d.x() < -0.5 * width) d.x() += width;
-  d.x() *= std::max(kLeastShortening, std::sin(kPi * 0.5 * (a.y() + b.y()) / pixels_.height()));
+  if (latlong_ && d.x() > 0.5 * width) d.x() -= width;
+  if (latlong_ && d.x() < -0.5 * width) d.x() += width;
   return d;
+}
+
+double SourcePicture::distance(const Vec2& a, const Vec2& b) const {
+  constexpr double kLeastShortening = 0.25;  // no pixel is missed but within 15 degrees of the poles
+  Vec2 d = step(a, b);
+  if (latlong_) d.x() *= std::max(kLeastShortening, std::sin(kPi * 0.5 * (a.y() + b.y()) / pixels_.height()));
+  return d.norm();
 }
 
 }  // namespace hdr::internal

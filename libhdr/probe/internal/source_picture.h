@@ -22,9 +22,11 @@ class SourcePicture {
   /// sum[c] += the bilinear value at px, for each channel.
   void add(const Vec2& px, double* sum) const;
 
-  /// The displacement b - a in pixels of the sphere: over a lat-long's seam by the short way, its horizontal part
-  /// shortened towards the poles as the circles of latitude are.
-  Vec2 displacement(const Vec2& a, const Vec2& b) const;
+  /// b - a in pixels, over a lat-long's seam by the short way.
+  Vec2 step(const Vec2& a, const Vec2& b) const;
+
+  /// The length of step(a, b), a lat-long's horizontal part shortened towards the poles as its circles of latitude are.
+  double distance(const Vec2& a, const Vec2& b) const;
 
  private:
   void add_inside_disc(const Vec2& px, double* sum) const;
