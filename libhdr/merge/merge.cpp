@@ -56,7 +56,9 @@ Shot prepare(const Photo& photo, const Mat3& ref_from_photo, const Response& res
     for (std::size_t code = 0; code < exposures.size(); ++code) {
       const auto radiance = static_cast<float>(exposures[code] / exposure);
       shot.radiance[c].push_back(radiance);
-      shot.table[c].push_back({radiance * weights[code], weights[code]});
+      // Shots that see one radiance E have exp(g) = E H: this is exp(g)^2 / variance, in the mean of logs (weight.h).
+      const auto weight = static_cast<float>(weights[code] * exposure);
+      shot.table[c].push_back({radiance * weight, weight});
     }
   }
   return shot;
@@ -129,13 +131,14 @@ struct Counts {
 };
 
 void accumulate(const std::vector<Shot>& shots, int y, RowSums& sums) {
-  std::fill(sums.weighted_radiance.begin(), sums.weighted_radiance.end(), 0.0f);
-  std::fill(sums.weight.begin(), sums.weight.end(), 0.0f);
+  sums.clear();
   for (const Shot& shot : shots) {
+    // Only lossy codes contradict a shorter shot that clips; in others it is a thing that moved, or a painted border.
+    const int closing_code = shot.photo->lossy ? shot.clipped_code : shot.photo->max_code() + 1;
     if (shot.registered) {
-      accumulate_row(shot.photo->codes, shot.table, y, sums);
+      accumulate_row(shot.photo->codes, shot.table, closing_code, y, sums);
     } else {
-      accumulate_warped_row(shot.photo->codes, shot.table, shot.photo_from_ref, y, sums);
+      accumulate_warped_row(shot.photo->codes, shot.table, closing_code, shot.photo_from_ref, y, sums);
     }
   }
 }
@@ -193,8 +196,7 @@ Merged merge(const Bracket& bracket, const Alignment& alignment, const Response&
   const Counts counts = reduce_rows(
       size.height, 16, Counts{},
       [&](int first, int last) {
-        const auto samples = static_cast<std::size_t>(size.width) * 3;
-        RowSums sums{std::vector<float>(samples), std::vector<float>(samples)};
+        RowSums sums(static_cast<std::size_t>(size.width) * 3);
         Counts part;
         for (int y = first; y < last; ++y) {
           const Counts row = merge_row(shots, y, sums, merged.map.rgb.row(y));

@@ -8,22 +8,20 @@
 namespace hdr {
 namespace {
 
-double squared_hat(double value) {
-  const double hat = 1 - std::abs(2 * value - 1);
-  return hat * hat;
+/// Deviation of a middle code of a lossy file, relative: about half a code of 128 through a gamma of 2.2.
+constexpr double kLossyDeviation = 0.01;
+
+/// Variance of exp(g) from rounding: 1/12 code, through the slope of the curve.
+double rounding_variance(const Response& response, int channel, double code, double max_code) {
+  const double below = std::max(0.0, code - 1), above = std::min(max_code, code + 1);
+  const double per_code = (response.exposure(channel, above) - response.exposure(channel, below)) / (above - below);
+  return per_code * per_code / 12;
 }
 
-/// Relative variance of exp(g) at a code: rounding (1/12 code, through the slope of the curve) and the noise of a
-/// typical sensor.
-double relative_variance(const Response& response, int channel, double code, double max_code) {
-  const double below = response.exposure(channel, std::max(0.0, code - 1));
-  const double above = response.exposure(channel, std::min(max_code, code + 1));
-  const double exposure = response.exposure(channel, code);
-  const double per_code = (above - below) / (std::min(max_code, code + 1) - std::max(0.0, code - 1));
-  const double rounding = per_code * per_code / 12;
-  const double full_well = response.exposure(channel, max_code);
-  const double noise = NoiseModel{}.stddev(exposure / full_well) * full_well;
-  return (rounding + noise * noise) / (exposure * exposure);
+/// 1 inside, falling to zero as a square over the last `width` before an end.
+double ramp(double distance, double width) {
+  const double share = std::min(1.0, distance / width);
+  return share * share;
 }
 
 }  // namespace
@@ -38,21 +36,23 @@ std::vector<float> code_weights(const Response& response, int channel, bool loss
   const bool hat = kind == WeightKind::kHat || (kind == WeightKind::kAuto && lossy);
   const int clipped = first_clipped_code(response.bits, lossy);
   const int black = response.black_code(channel);
+  const double full_well = response.exposure(channel, max_code);
   std::vector<float> weights(static_cast<std::size_t>(max_code) + 1);
   for (int code = black + 1; code < clipped; ++code) {
     const double value = (code - black) / (max_code - black);
-    double weight = 0;
+    const double exposure = response.exposure(channel, code);
+    const double noise = NoiseModel{}.stddev(exposure / full_well) * full_well;
+    double variance = noise * noise, trust = 1;
     if (hat) {
-      weight = squared_hat(value);
+      const double deviation = kLossyDeviation * exposure / (1 - std::abs(2 * value - 1));
+      variance += deviation * deviation;
     } else {
+      variance += rounding_variance(response, channel, code, max_code);
       // Noise lifts some clipped light below the last code and cuts what is just under it: the ramp over the last 4 %
       // keeps both out while another shot can speak.
-      const double under_white = std::min(1.0, (1 - value) / 0.04);
-      const double over_pedestal = black > 0 ? std::min(1.0, value / 0.04) : 1.0;
-      const double ramp = under_white * over_pedestal;
-      weight = 1e-4 * ramp * ramp / relative_variance(response, channel, code, max_code);
+      trust = ramp(1 - value, 0.04) * (black > 0 ? ramp(value, 0.04) : 1.0);
     }
-    weights[static_cast<std::size_t>(code)] = static_cast<float>(std::clamp(weight, 1e-8, 1e4));
+    weights[static_cast<std::size_t>(code)] = static_cast<float>(trust * exposure / variance);
   }
   return weights;
 }
