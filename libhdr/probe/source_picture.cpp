@@ -75,7 +75,7 @@ bool SourcePicture::near_rim(const Vec2& px) const {
 bool SourcePicture::in_disc(int x, int y) const {
   if (x < 0 || y < 0 || x >= pixels_.width() || y >= pixels_.height()) return false;
   const double reach = std::max(0.0, disc_->r - kHalfDiagonal);
-  return std::hypot(x + 0.5 - disc_->cx, y + 0.5 - disc_->cy) <= reach;
+  return (Vec2(x + 0.5, y + 0.5) - Vec2(disc_->cx, disc_->cy)).squaredNorm() <= reach * reach;
 }
 
 /// The taps whose pixels are wholly inside the disc, their weights brought to 1. A position without such taps moves
