@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Set{"iphone6_window", "brackets/iphone6_window", {"--exposures", "DETAIL"}, 7},
                       Set{"stlouis_arch", "brackets/stlouis_arch/images/st_louis", {}, 8},
                       Set{"memorial", "brackets/memorial", {"--exposures", "LIST"}, 14}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& set) { return std::string(set.param.name); });
 
 TEST(RealBall, KartikBecomesAProbe) {
   HDR_NEED_SHARED_DATA(folder, "mirrorball/kartik_3exp/Materials");

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "libhdr/io/output_file.h"
+#include "libhdr/io/read.h"
 #include "libhdr/io/write.h"
 #include "tests/unit/io/io_test_support.h"
 
