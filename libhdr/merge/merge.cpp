@@ -1,5 +1,7 @@
 #include "libhdr/merge/merge.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -166,6 +168,37 @@ Counts merge_row(const std::vector<Shot>& shots, int y, RowSums& sums, float* ou
   return counts;
 }
 
+/// A shot that is registered worse than this would blur what the others show.
+constexpr double kWorstRegistration_px = 1;
+
+/// The shots to be summed; fills in merged.frames.
+std::vector<Shot> usable_shots(const Bracket& bracket, const Alignment& alignment, const Response& response,
+                               WeightKind kind, Merged& merged) {
+  const auto prepared = [&](std::size_t j) {
+    return prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, kind, merged.exposure_unit);
+  };
+  std::vector<Shot> shots;
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
+    const double residual_px = alignment.frames[j].residual_px;
+    const bool is_reference = static_cast<int>(j) == alignment.reference;
+    Shot shot = prepared(j);
+    MergedFrame& frame = merged.frames[j];
+    frame.skipped = reason_to_skip(shot);
+    if (frame.skipped.empty() && residual_px > kWorstRegistration_px && !is_reference) {
+      frame.skipped = fmt::format("registered within {:.1f} px only", residual_px);
+    }
+    frame.used = frame.skipped.empty();
+    if (frame.used) shots.push_back(std::move(shot));
+  }
+  if (!shots.empty()) return shots;
+  // Every shot is black or clipped throughout: the bounds that they give are all there is.
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
+    shots.push_back(prepared(j));
+    merged.frames[j] = {true, ""};
+  }
+  return shots;
+}
+
 }  // namespace
 
 Merged merge(const Bracket& bracket, const Alignment& alignment, const Response& response,
@@ -174,22 +207,7 @@ Merged merge(const Bracket& bracket, const Alignment& alignment, const Response&
   Merged merged;
   merged.frames.resize(bracket.shots.size());
   merged.exposure_unit = bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure();
-  std::vector<Shot> shots;
-  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-    Shot shot =
-        prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, options.weight, merged.exposure_unit);
-    merged.frames[j].skipped = reason_to_skip(shot);
-    merged.frames[j].used = merged.frames[j].skipped.empty();
-    if (merged.frames[j].used) shots.push_back(std::move(shot));
-  }
-  if (shots.empty()) {
-    // Every shot is black or clipped throughout: the bounds that they give are all there is.
-    for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-      shots.push_back(prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, options.weight,
-                              merged.exposure_unit));
-      merged.frames[j] = {true, ""};
-    }
-  }
+  const std::vector<Shot> shots = usable_shots(bracket, alignment, response, options.weight, merged);
 
   const Size size = bracket.size();
   merged.map.rgb = Image<float>(size, 3);

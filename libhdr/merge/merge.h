@@ -19,7 +19,7 @@ struct MergeOptions {
 
 struct MergedFrame {
   bool used = false;
-  std::string skipped;  ///< why the shot carried nothing, e.g. "all black"
+  std::string skipped;  ///< why the shot was left out: "all black", "registered within 3.0 px only"
 };
 
 /// The unit: radiance 1 gives the middle code at relative exposure `exposure_unit`, that of the bracket's middle shot.

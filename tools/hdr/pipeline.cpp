@@ -93,9 +93,10 @@ MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
     response = std::move(calibration.response);
   }
   Merged merged = run.stage("merge", [&] { return merge(bracket, alignment, response, options.merge.options()); });
-  int unused = 0;
-  for (const MergedFrame& frame : merged.frames) unused += !frame.used;
-  if (unused > 0) run.clock.skipped(fmt::format("{} shots without a usable code, no pixel changes by it", unused));
+  for (std::size_t k = 0; k < merged.frames.size(); ++k) {
+    if (merged.frames[k].used) continue;
+    run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
+  }
   return {std::move(bracket), std::move(response), std::move(alignment), std::move(merged)};
 }
 
