@@ -47,7 +47,7 @@ if [ ${#photographs[@]} = 0 ]; then
   rm -rf "$work/shots"
   # Seven shots 2 EV apart, and one off that grid: steps that are all alike leave the response ambiguous.
   stage simulate "$hdr" simulate "$world" --ball --ball-radius 680 --size 2000x1500 -o "$work/shots" --quiet \
-    --times 1/8000,1/2000,1/500,1/125,1/80,0.032,0.128,0.512 --response film --shift 3 --seed 7
+    --times 1/8000,1/2000,1/500,1/125,1/80,0.032,0.128,0.512 --level 0.03 --response film --shift 3 --seed 7
   photographs=("$work/shots")
 fi
 
