@@ -20,7 +20,7 @@ struct VirtualCameraOptions {
   bool lossy = true;  ///< frames are meant for JPEG
 };
 
-/// Relative exposure sensitivity at which the scene's median sample fills `level` of the full well in `seconds`.
+/// Relative exposure sensitivity at which the scene's median sample fills `level` of the full well at `exposure`.
 double metered_sensitivity(View<const float> scene, const Exposure& exposure, double level);
 
 class VirtualCamera : public Camera {

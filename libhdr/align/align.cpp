@@ -28,10 +28,12 @@ std::vector<double> usable_shares(const Bracket& bracket) {
 int best_exposed(const std::vector<double>& shares) {
   if (shares.empty()) return 0;
   const double largest = *std::max_element(shares.begin(), shares.end());
+  // A shot that can be registered is better than one that cannot.
+  const double least = largest < kFewestUsable ? largest - 0.01 : std::max(kFewestUsable, largest - 0.01);
   const double middle = 0.5 * (static_cast<double>(shares.size()) - 1);
   int best = -1;
   for (int k = 0; k < static_cast<int>(shares.size()); ++k) {
-    if (shares[static_cast<std::size_t>(k)] < largest - 0.01) continue;
+    if (shares[static_cast<std::size_t>(k)] < least) continue;
     if (best < 0 || std::abs(k - middle) < std::abs(best - middle)) best = k;
   }
   return best;
@@ -253,6 +255,7 @@ Alignment align(const Bracket& bracket, const Response& response, AlignMethod me
     const internal::Linearizer linearizer(response, bracket.bits(), lossy);
     const int reference_in_chain =
         static_cast<int>(std::lower_bound(used.begin(), used.end(), alignment.reference) - used.begin());
+    HDR_ASSERT(used[static_cast<std::size_t>(reference_in_chain)] == alignment.reference);
     std::vector<Place> places;
     if (method == AlignMethod::kAuto) {
       if (const auto motions = still_pairs(bracket, used, linearizer)) places = chained(*motions, reference_in_chain);

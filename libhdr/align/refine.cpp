@@ -90,6 +90,10 @@ Estimate iterate(const LogPicture& a, const LogPicture& b, Estimate e, int itera
     e.median = at.median_magnitude();
     e.magnitudes = std::move(at.magnitudes);
     const Unknowns d = step_from(at, e.match, move, e.covariance);
+    if (!d.allFinite()) {
+      e.enough = false;
+      return e;
+    }
     if (k == iterations) break;
     // Each step stays within the reach of the linearisation.
     Vec2 step = d.head<2>();

@@ -4,6 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "libhdr/core/error.h"
+
 namespace hdr {
 
 /// Threads used from now on by for_rows and reduce_rows; 0 means all that the machine has.
@@ -16,6 +18,7 @@ void for_rows(int count, int grain, const std::function<void(int first, int last
 /// partial(first, last) for each block, then join(total, part) in the order of the blocks.
 template <class T, class Partial, class Join>
 T reduce_rows(int count, int grain, T total, const Partial& partial, const Join& join) {
+  HDR_ASSERT(grain > 0);
   if (count <= 0) return total;
   const int blocks = (count + grain - 1) / grain;
   std::vector<T> parts(static_cast<std::size_t>(blocks), total);

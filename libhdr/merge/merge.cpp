@@ -19,6 +19,7 @@ namespace {
 struct Shot {
   const Photo* photo;
   bool registered;  ///< already on the reference grid
+  bool summed;      ///< has usable codes
   Mat3 photo_from_ref;
   int clipped_code;               ///< from here up: any amount of light
   std::array<int, 3> black_code;  ///< up to here: no light
@@ -119,7 +120,7 @@ std::array<ChannelEvidence, 3> gather_evidence(const std::vector<Shot>& shots, i
       ChannelEvidence& e = evidence[c];
       if (code >= shot.clipped_code) {
         e.at_least = std::max(e.at_least, shot.radiance[c].back());
-      } else if (code <= shot.black_code[c]) {
+      } else if (shot.summed && code <= shot.black_code[c]) {
         const float black = shot.radiance[c].front();
         e.at_most = e.at_most < 0 ? black : std::min(e.at_most, black);
       }
@@ -168,34 +169,29 @@ Counts merge_row(const std::vector<Shot>& shots, int y, RowSums& sums, float* ou
   return counts;
 }
 
-/// A shot that is registered worse than this would blur what the others show.
-constexpr double kWorstRegistration_px = 1;
-
-/// The shots to be summed; fills in merged.frames.
-std::vector<Shot> usable_shots(const Bracket& bracket, const Alignment& alignment, const Response& response,
-                               WeightKind kind, Merged& merged) {
-  const auto prepared = [&](std::size_t j) {
-    return prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, kind, merged.exposure_unit);
-  };
+/// The shots to be merged; fills in merged.frames. A shot without a usable code is not summed, but what it clips or
+/// leaves black still bounds the light.
+std::vector<Shot> prepare_all(const Bracket& bracket, const Alignment& alignment, const Response& response,
+                              WeightKind kind, Merged& merged) {
   std::vector<Shot> shots;
   for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-    const double residual_px = alignment.frames[j].residual_px;
-    const bool is_reference = static_cast<int>(j) == alignment.reference;
-    Shot shot = prepared(j);
     MergedFrame& frame = merged.frames[j];
-    frame.skipped = reason_to_skip(shot);
-    if (frame.skipped.empty() && residual_px > kWorstRegistration_px && !is_reference) {
+    const double residual_px = alignment.frames[j].residual_px;
+    // Left out, a longer shot costs some noise in the shadows; a shorter one may hold the only measure of a sun.
+    constexpr double kWorstRegistration_px = 1;
+    if (static_cast<int>(j) > alignment.reference && residual_px > kWorstRegistration_px) {
       frame.skipped = fmt::format("registered within {:.1f} px only", residual_px);
+      continue;
     }
-    frame.used = frame.skipped.empty();
-    if (frame.used) shots.push_back(std::move(shot));
+    Shot shot = prepare(bracket.shots[j], alignment.frames[j].ref_from_photo, response, kind, merged.exposure_unit);
+    frame.skipped = reason_to_skip(shot);
+    frame.used = shot.summed = frame.skipped.empty();
+    shots.push_back(std::move(shot));
   }
-  if (!shots.empty()) return shots;
+  if (std::any_of(shots.begin(), shots.end(), [](const Shot& shot) { return shot.summed; })) return shots;
   // Every shot is black or clipped throughout: the bounds that they give are all there is.
-  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-    shots.push_back(prepared(j));
-    merged.frames[j] = {true, ""};
-  }
+  for (Shot& shot : shots) shot.summed = true;
+  for (MergedFrame& frame : merged.frames) frame = {true, ""};
   return shots;
 }
 
@@ -207,7 +203,7 @@ Merged merge(const Bracket& bracket, const Alignment& alignment, const Response&
   Merged merged;
   merged.frames.resize(bracket.shots.size());
   merged.exposure_unit = bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure();
-  const std::vector<Shot> shots = usable_shots(bracket, alignment, response, options.weight, merged);
+  const std::vector<Shot> shots = prepare_all(bracket, alignment, response, options.weight, merged);
 
   const Size size = bracket.size();
   merged.map.rgb = Image<float>(size, 3);

@@ -61,12 +61,12 @@ Stretch stretch(const SourcePicture& source, const Vec2* before, const Vec2& cen
 }
 
 /// At least one sample a source pixel; at an edge of the source enough to tell the covered part.
-int samples(const Stretch& along, bool at_edge, int least, int max_samples) {
+int samples(const Stretch& along, bool at_edge, int max_samples) {
   constexpr double kRounding = 1e-6;  // a copy at the same scale needs one sample, not two
   constexpr double kDensity = 1.5;    // samples a source pixel: evens out the weights of single pixels
   const double px = std::min(along.px, 1e6) - kRounding;
   const int wanted = px <= 1 ? 1 : static_cast<int>(std::ceil(kDensity * px));
-  return std::min(std::max(wanted, at_edge ? kRimSamples : least), max_samples);
+  return std::min(std::max(wanted, at_edge ? kRimSamples : 1), max_samples);
 }
 
 /// Source positions around a pixel's centre, u and v in output pixels, as a quadratic through the nine centres.
@@ -116,8 +116,8 @@ class PixelAverage {
     if (!somewhere(centre) && !any_neighbour(centres, x, y)) return;
 
     std::fill(sum_.begin(), sum_.end(), 0.0);
-    const int nx = samples(across, at_edge, source_.least_samples(), max_samples_);
-    const int ny = samples(down, at_edge, source_.least_samples(), max_samples_);
+    const int nx = samples(across, at_edge, max_samples_);
+    const int ny = samples(down, at_edge, max_samples_);
     const int covered = nx * ny == 1 ? add(centre) : add_grid(centres, x, y, nx, ny);
     if (covered == 0) return;
     for (std::size_t c = 0; c < sum_.size(); ++c) mean[c] = static_cast<float>(sum_[c] / covered);

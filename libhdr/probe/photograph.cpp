@@ -49,7 +49,7 @@ Image<float> photograph_ball(View<const float> latlong, Size size, const MirrorB
   require_valid(ball);
   const LatLong scene{latlong.size()};
   const internal::Averages mirrored =
-      internal::average_footprints(internal::SourcePicture(latlong, scene, internal::Reading::kCells),
+      internal::average_footprints(internal::SourcePicture(latlong, scene),
                                    internal::source_from_run(scene, ball, scene_from_probe), size, kMostSamples);
   Image<float> picture = backdrop(latlong, size, ball, focal_px(ball, size.width, fov_degrees), scene_from_probe);
   for_rows(size.height, 16, [&](int first, int last) {

@@ -1,7 +1,6 @@
 #pragma once
-// What a camera sees in a lat-long environment: the radiance picture that response/expose.h then photographs. In the
-// ball each pixel of the lat-long is a constant over its cell, as light/ takes it: a probe made of the photographs can
-// give the pixels back. What a lens sees magnified, a view or the backdrop, is read bilinearly.
+// What a camera sees in a lat-long environment: the radiance picture that response/expose.h then photographs. The scene
+// is the lat-long read bilinearly on linear values, so that it is the truth exactly where its pixels are.
 #include "libhdr/core/image.h"
 #include "libhdr/core/vec.h"
 #include "libhdr/probe/projection.h"

@@ -39,20 +39,10 @@ void add_weighted(const float* pixel, double weight, int channels, double* sum) 
 
 }  // namespace
 
-SourcePicture::SourcePicture(View<const float> pixels, const Projection& projection, Reading reading)
-    : pixels_(pixels),
-      reading_(reading),
-      latlong_(std::holds_alternative<LatLong>(projection)),
-      disc_(disc_of(projection)) {}
+SourcePicture::SourcePicture(View<const float> pixels, const Projection& projection)
+    : pixels_(pixels), latlong_(std::holds_alternative<LatLong>(projection)), disc_(disc_of(projection)) {}
 
 void SourcePicture::add(const Vec2& px, double* sum) const {
-  if (reading_ == Reading::kCells) {
-    const int x = static_cast<int>(std::floor(px.x())), y = static_cast<int>(std::floor(px.y()));
-    const float* cell =
-        latlong_ ? latlong_pixel(x, y)
-                 : pixels_.pixel(std::clamp(x, 0, pixels_.width() - 1), std::clamp(y, 0, pixels_.height() - 1));
-    return add_weighted(cell, 1, pixels_.channels(), sum);
-  }
   if (disc_ && near_rim(px)) return add_inside_disc(px, sum);
   const Bilinear taps(px);
   const int last_x = pixels_.width() - 1, last_y = pixels_.height() - 1;

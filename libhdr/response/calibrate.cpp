@@ -24,7 +24,7 @@ void check_exposures(const Bracket& bracket) {
   if (bracket.shots.empty()) throw Error("no shots: nothing to calibrate; name two or more photographs");
   const std::string first = bracket.shots.front().path.string();
   if (bracket.shots.size() == 1) {
-    throw Error(first + ": one shot alone does not determine a response; add exposures or pass --response srgb");
+    throw Error(first + ": one shot alone does not determine a response; add exposures or merge with --response srgb");
   }
   double least = INFINITY, most = 0;
   for (const Photo& photo : bracket.shots) {
@@ -36,7 +36,7 @@ void check_exposures(const Bracket& bracket) {
     most = std::max(most, exposure);
   }
   if (!(most > 1.001 * least)) {
-    throw Error(first + ": all exposures are equal and do not determine a response; vary them or pass --response srgb");
+    throw Error(first + ": all exposures are equal and do not determine a response; vary them or merge with --response srgb");
   }
 }
 
@@ -153,7 +153,7 @@ std::vector<std::string> check_coverage(Observations& seen, const Knots& knots, 
   if (determined == 0) {
     throw Error(bracket.shots.front().path.string() +
                 ": too few pixels are neither black nor clipped in two shots to determine a response; "
-                "take exposures closer together or pass --response srgb");
+                "take exposures closer together or merge with --response srgb");
   }
   return warnings;
 }

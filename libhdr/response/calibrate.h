@@ -12,7 +12,7 @@ namespace hdr {
 
 struct CalibrateOptions {
   std::optional<double> smoothness;  ///< lambda of [Debevec97] eq. 3; absent: chosen from the data
-  int pixels = 0;                    ///< pixels sampled; 0: enough for the depth
+  int pixels = 0;                    ///< points a channel; 0: as many as the fit needs
 };
 
 /// `rms_log_error` is the weighted rms of g(Z_ij) - ln E_i - ln H_j over the pixels used, in natural logs.
@@ -21,7 +21,7 @@ struct Calibration {
   double rms_log_error = 0;
   bool converged = false;
   double smoothness = 0;
-  int pixels = 0;                     ///< pixels used
+  int pixels = 0;                     ///< points used, all channels together
   std::vector<std::string> warnings;  ///< e.g. codes that no pixel reached
 };
 
@@ -32,7 +32,7 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
                                     const CalibrateOptions& options = {});
 
 /// A response good enough to linearise shots that are not registered yet: the same fit on the code quantiles of
-/// neighbouring shots (histogram matching [Grossberg03] survives small shifts).
+/// the shots (histogram matching [Grossberg03] survives small shifts).
 Response provisional_response(const Bracket& bracket);
 
 }  // namespace hdr

@@ -128,7 +128,8 @@ Image<float> shake(View<const float> radiance, const Mat3& scene_from_photo) {
       if (still) std::copy(row, row + width * channels, moved.row(y));
       // The smallest normal float stands for no light, whose logarithm does not exist.
       for (int k = 0; k < width * channels && !still; ++k) {
-        logs.row(y)[k] = std::log(std::max(std::numeric_limits<float>::min(), row[k]));
+        logs.row(y)[k] =
+            std::log(std::clamp(row[k], std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
       }
     }
   });

@@ -132,6 +132,15 @@ TEST_F(Chain, UnwrapGoesThereAndBack) {
   EXPECT_NEAR(turned.rgb(64, 40, 1), still.rgb(128, 40, 1), 1e-3 * still.rgb(128, 40, 1));
 }
 
+TEST_F(Chain, ARectilinearTagKeepsItsFieldUnlessFovSaysOtherwise) {
+  answer_of({"unwrap", world(), "-o", at("view.exr"), "--to", "rectilinear", "--fov", "60", "--width", "200", "--type",
+             "float"});
+  answer_of({"unwrap", at("view.exr"), "-o", at("back.exr"), "--width", "256"});
+  const RadianceMap back = read_map(scratch_ / "back.exr").map, still = read_map(world()).map;
+  EXPECT_NEAR(back.rgb(140, 60, 1), still.rgb(140, 60, 1), 0.05 * still.rgb(140, 60, 1));
+  EXPECT_EQ(back.rgb(128 + 26, 64, 1), 0) << "36 degrees off the axis a view of 60 shows nothing";
+}
+
 TEST_F(Chain, ShOfAConstantProbeIsPiL) {
   RadianceMap constant;
   constant.rgb = Image<float>(64, 32, 3);
@@ -173,11 +182,13 @@ TEST_F(Chain, AFolderFromShootIsShots) {
 
 TEST_F(Chain, ProvenanceNamesWorkNotPlaces) {
   shoot_ball("shots");
-  answer_of({"merge", at("shots"), "-o", at("m.exr"), "--weight", "hat", "--align", "none"});
+  answer_of({"calibrate", at("shots"), "-o", at("r.json")});
+  answer_of(
+      {"merge", at("shots"), "-o", at("m.exr"), "--weight", "hat", "--align", "none", "--response", at("r.json")});
   const CommandResult listed = run_command({"oiiotool", "--info", "-v", at("m.exr")});
   if (listed.exit_code == 127) GTEST_SKIP() << "oiiotool is not installed";
-  for (const char* word :
-       {"hdr:version", "hdr:options", "--weight hat", "hdr:input", "shot_00.jpg", "hdr:exposures", "chromaticities"}) {
+  for (const char* word : {"hdr:version", "hdr:options", "--weight hat", "--response r.json", "hdr:input",
+                           "shot_00.jpg", "hdr:exposures", "chromaticities"}) {
     EXPECT_NE(listed.out.find(word), std::string::npos) << word << " in\n" << listed.out;
   }
   const std::string file = bytes_of(scratch_ / "m.exr");

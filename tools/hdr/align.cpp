@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <set>
 
 #include "libhdr/align/warp.h"
 #include "libhdr/core/error.h"
@@ -14,6 +15,15 @@ void write_registered(const Path& folder, const Bracket& bracket, const Alignmen
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw Error(folder.string() + ": cannot be made: " + failed.message());
+  std::set<Path> names;
+  for (const Photo& shot : bracket.shots) {
+    const Path name = Path(shot.path.filename()).replace_extension(".png");
+    const bool taken = !names.insert(name).second;
+    if (taken || std::filesystem::exists(folder / shot.path.filename(), failed)) {
+      throw Error(fmt::format("{}: would overwrite {}; choose another folder for the registered shots", folder.string(),
+                              taken ? "one registered shot by another" : "a photograph"));
+    }
+  }
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {
     const Photo warped = warp(bracket.shots[k], alignment.frames[k].ref_from_photo, response);
     Path name = bracket.shots[k].path.filename();

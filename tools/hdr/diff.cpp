@@ -6,6 +6,7 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/filter/compare.h"
 #include "libhdr/io/read.h"
+#include "libhdr/probe/projection.h"
 #include "tools/hdr/verb.h"
 
 namespace hdr::tools {
@@ -58,7 +59,15 @@ std::function<int(Run&)> declare_diff(CLI::App& app) {
                               b.map.rgb.height()));
     }
     Image<std::uint8_t> mask;
-    if (options->cone) mask = outside_cones(a.map.size(), *options->cone);
+    for (const ReadMap* map : {&a, &b}) {
+      for (const std::string& warning : map->warnings) run.warn(warning);
+    }
+    if (options->cone) {
+      const Projection projection = projection_of_probe("", a.map.projection, a.map.size(), options->a);
+      if (!std::holds_alternative<LatLong>(projection))
+        throw Error(options->a + ": --ignore-cones needs lat-long maps");
+      mask = outside_cones(a.map.size(), *options->cone);
+    }
     const Comparison result =
         run.clock.run("diff", [&] { return compare(a.map.rgb, b.map.rgb, scale_from_name(options->scale), mask); });
     run.answer["rel_rmse"] = result.rel_rmse;

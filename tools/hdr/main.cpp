@@ -1,12 +1,15 @@
 // hdr: one binary, a table of verbs. Exit 0 done, 1 could not (one line says why), 2 misused.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <set>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/photo.h"
 #include "libhdr/core/version.h"
 #include "tools/hdr/verb.h"
 
@@ -69,21 +72,23 @@ void finish_answer(Run& run) {
 
 /// Provenance: everything on the command line that changes pixels, in the order given.
 std::string pixel_options(const CLI::App& app) {
-  static constexpr std::string_view kNotPixels[] = {"--threads", "--json", "--quiet", "--version",
-                                                    "--help",    "-o",     "shots"};
+  static constexpr std::string_view kNotPixels[] = {"--threads", "--json",     "--quiet",         "--version",
+                                                    "--help",    "--save-map", "--save-response", "--irradiance-map",
+                                                    "-o",        "shots"};
+  static constexpr std::string_view kPaths[] = {"--exposures", "--response", "--probe", "--scene"};
+  std::set<std::string> seen;
   std::string text;
   for (const CLI::Option* option : app.parse_order()) {
     const std::string name = option->get_name();
     bool skip = false;
     for (const std::string_view other : kNotPixels) skip |= name == other || option->check_name(std::string(other));
     if (skip || option->get_positional()) continue;
-    if (text.find(name) != std::string::npos) continue;  // parse_order lists an option once for each value
+    if (!seen.insert(name).second) continue;  // parse_order lists an option once for each value
     text += (text.empty() ? "" : " ") + name;
+    if (option->get_expected_max() == 0) continue;  // a flag
+    const bool is_path = std::find(std::begin(kPaths), std::end(kPaths), name) != std::end(kPaths);
     for (const std::string& value : option->results()) {
-      if (option->get_expected_max() == 0) continue;  // a flag
-      const std::size_t slash = value.find_last_of('/');
-      const bool is_path = slash != std::string::npos && value.find_first_of(",0123456789") != 0;
-      text += " " + (is_path ? value.substr(slash + 1) : value);  // names without folders
+      text += " " + (is_path ? Path(value).filename().string() : value);  // names without folders
     }
   }
   return text;

@@ -133,7 +133,8 @@ void UnwrapFlags::declare(CLI::App& app) {
   app.add_option("--width", width, "width to write, pixels")->check(CLI::Range(1, 65536))->capture_default_str();
   app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")->capture_default_str();
   app.add_option("--distance", distance, "camera to the ball's centre, in ball radii (default: far)");
-  app.add_option("--fov", fov, "horizontal field of a rectilinear picture, degrees")->capture_default_str();
+  app.add_option("--fov", fov,
+                 "horizontal field of a rectilinear picture, degrees (default: its hdr:projection's, or 90)");
   app.add_option("--rotate", rotate, "X,Y,Z degrees: d_out = Rz Ry Rx d_in")->capture_default_str();
 }
 
@@ -144,7 +145,8 @@ std::pair<Projection, Size> UnwrapFlags::target() const {
     throw CLI::ValidationError("--to", "'" + to + "' is not one of latlong, angular, mirror-ball, rectilinear");
   }
   if (std::holds_alternative<LatLong>(*projection)) return {LatLong{wide}, wide};
-  if (auto* view = std::get_if<Rectilinear>(&*projection)) *view = {square, fov};
+  if (auto* view = std::get_if<Rectilinear>(&*projection); view && fov) view->fov_degrees = *fov;
+  if (auto* ball_out = std::get_if<MirrorBall>(&*projection); ball_out && distance) ball_out->distance = *distance;
   return {*projection, square};
 }
 

@@ -61,7 +61,7 @@ struct WriteFlags {
 struct UnwrapFlags {
   std::string from, to = "latlong", ball = "auto", rotate = "0,0,0";
   std::optional<double> distance;
-  double fov = 90;
+  std::optional<double> fov;
   int width = 2048;
 
   void declare(CLI::App& app);

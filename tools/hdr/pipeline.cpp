@@ -40,7 +40,7 @@ std::optional<Response> known_response(const std::string& text, int bits) {
   if (text == "fit") return std::nullopt;
   if (auto named = response_from_name(text, bits)) return named;
   Response response = response_from_json(read_text(text), text);
-  if (response.bits != bits && !(response.bits > 8 && bits > 8)) {
+  if (response.bits != bits) {
     throw Error(
         fmt::format("{}: a response for {}-bit codes, but the shots have {} bits; calibrate on shots of this camera "
                     "mode",
@@ -83,6 +83,7 @@ MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
   const std::optional<Response> known = known_response(options.merge.response, bracket.bits());
   Alignment alignment = align_shots(run, bracket, known, method);
   Response response;
+  std::optional<double> rms_log_error;
   if (known) {
     response = *known;
     run.stage("calibrate", [] {});
@@ -90,6 +91,7 @@ MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
   } else {
     Calibration calibration = calibrate_shots(run, bracket, alignment, options.calibrate.options());
     answer_calibration(run, bracket, calibration);
+    rms_log_error = calibration.rms_log_error;
     response = std::move(calibration.response);
   }
   Merged merged = run.stage("merge", [&] { return merge(bracket, alignment, response, options.merge.options()); });
@@ -97,7 +99,7 @@ MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
     if (merged.frames[k].used) continue;
     run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
   }
-  return {std::move(bracket), std::move(response), std::move(alignment), std::move(merged)};
+  return {std::move(bracket), std::move(response), rms_log_error, std::move(alignment), std::move(merged)};
 }
 
 Provenance provenance_of(const Run& run, const Path& input) {

@@ -24,6 +24,7 @@ struct MergePipelineOptions {
 struct MergeResult {
   Bracket bracket;
   Response response;
+  std::optional<double> rms_log_error;  ///< of the fit; nothing when the response was given
   Alignment alignment;
   Merged merged;
 };

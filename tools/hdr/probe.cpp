@@ -15,7 +15,7 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->pipeline.declare(app);
   app.add_option("-o,--output", options->output, "the light probe (.exr, .hdr, .tif)")->required();
-  app.add_option("--save-response", options->response_output, "also write the fitted response");
+  app.add_option("--save-response", options->response_output, "also write the response that was used");
   app.add_option("--save-map", options->map_output, "also write the merged radiance map");
   options->unwrap.declare(app);
   options->write.declare(app);
@@ -29,7 +29,9 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
       write_map(options->output, probe, provenance, options->write.options());
       if (!options->map_output.empty())
         write_map(options->map_output, result.merged.map, provenance, options->write.options());
-      if (!options->response_output.empty()) write_text(options->response_output, json_from_response(result.response));
+      if (!options->response_output.empty()) {
+        write_text(options->response_output, json_from_response(result.response, result.rms_log_error.value_or(0)));
+      }
     });
     run.say("wrote " + options->output);
     return 0;

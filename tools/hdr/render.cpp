@@ -12,7 +12,7 @@ namespace {
 struct Options {
   ProbeInput probe;
   std::string output, scene, method = "auto", size = "640x480", eye, look, material = "diffuse:0.5";
-  double fov = 0;
+  std::optional<double> fov;
   int samples = 64;
   std::uint64_t seed = 1;
   WriteFlags write;
@@ -30,7 +30,7 @@ Scene scene_of(const Options& options) {
   }
   if (!options.eye.empty()) scene.camera.eye = vec3_from_text(options.eye, "--eye").cast<float>();
   if (!options.look.empty()) scene.camera.look = vec3_from_text(options.look, "--look").cast<float>();
-  if (options.fov != 0) scene.camera.fov_degrees = options.fov;
+  if (options.fov) scene.camera.fov_degrees = *options.fov;
   if (!(scene.camera.fov_degrees > 0 && scene.camera.fov_degrees < 180))
     throw Error("--fov: give degrees between 0 and 180");
   if ((scene.camera.eye - scene.camera.look).norm() == 0)

@@ -9,12 +9,27 @@
 #include "libhdr/io/write.h"
 
 namespace hdr::tools {
+namespace {
+
+void remove_earlier_shots(const Path& folder) {
+  const Path list = folder / "bracket.json";
+  if (!std::filesystem::exists(list)) return;
+  const Json bracket = Json::parse(read_text(list), nullptr, false);
+  if (bracket.is_discarded() || !bracket.contains("files")) return;
+  for (const Json& name : bracket["files"]) {
+    std::error_code ignored;
+    if (name.is_string()) std::filesystem::remove(folder / Path(name.get<std::string>()).filename(), ignored);
+  }
+}
+
+}  // namespace
 
 ShotsOutput::ShotsOutput(Path folder) : folder_(std::move(folder)) {
   std::error_code failed;
   std::filesystem::create_directories(folder_, failed);
   if (failed)
     throw Error(fmt::format("{}: cannot be made: {}; choose another folder", folder_.string(), failed.message()));
+  remove_earlier_shots(folder_);
 }
 
 void ShotsOutput::write(const Frame& frame, const std::string& format, int jpeg_quality) {

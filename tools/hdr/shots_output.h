@@ -9,7 +9,8 @@ namespace hdr::tools {
 
 class ShotsOutput {
  public:
-  /// Makes the folder; throws Error when it cannot be made.
+  /// Makes the folder; throws Error when it cannot be made. Shots that an earlier run left there, as its bracket.json
+  /// lists them, are removed: the folder is SHOTS, and two scenes would be merged.
   explicit ShotsOutput(Path folder);
 
   /// Writes shot_NN.FORMAT.

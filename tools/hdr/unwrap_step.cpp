@@ -54,7 +54,7 @@ RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFla
     run.answer["ball"] = {{"cx", ball.disc.cx}, {"cy", ball.disc.cy}, {"r", ball.disc.r}};
     run.say(fmt::format("ball: centre {:.2f}, {:.2f}, radius {:.2f} px", ball.disc.cx, ball.disc.cy, ball.disc.r));
   }
-  if (auto* view = std::get_if<Rectilinear>(&from)) view->fov_degrees = flags.fov;
+  if (auto* view = std::get_if<Rectilinear>(&from); view && flags.fov) view->fov_degrees = *flags.fov;
   const auto [to, size] = flags.target();
   // d_out = R d_in, so what the probe shows in direction d the picture shows in R^-1 d.
   const Mat3 picture_from_probe = rotation_from_degrees(vec3_from_text(flags.rotate, "--rotate")).transpose();

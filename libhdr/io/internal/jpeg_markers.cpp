@@ -7,6 +7,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "libhdr/core/error.h"
 
@@ -42,6 +43,8 @@ class MarkerWalk {
     return false;
   }
   bool icc_is_damaged() const { return icc_is_damaged_; }
+  /// Where the signatures of ICC profiles begin.
+  const std::vector<std::size_t>& profiles() const { return profiles_; }
 
  private:
   std::uint8_t byte(std::size_t i) const { return static_cast<std::uint8_t>(bytes_[i]); }
@@ -69,6 +72,7 @@ class MarkerWalk {
   /// An ICC profile comes in chunks numbered 1 to count.
   void check_icc(std::size_t begin, std::size_t length) {
     if (length < sizeof kIccSignature || std::memcmp(&bytes_[begin], kIccSignature, sizeof kIccSignature) != 0) return;
+    profiles_.push_back(begin);
     constexpr std::size_t kHead = sizeof kIccSignature + 2;
     if (length < kHead) {
       icc_is_damaged_ = true;
@@ -81,6 +85,7 @@ class MarkerWalk {
   const std::string& bytes_;
   std::size_t at_ = 0;
   bool icc_is_damaged_ = false;
+  std::vector<std::size_t> profiles_;
 };
 
 std::string slurp_if_jpeg(const Path& path) {
@@ -97,9 +102,9 @@ std::string slurp_if_jpeg(const Path& path) {
 
 }  // namespace
 
-void check_jpeg(const Path& path) {
-  const std::string bytes = slurp_if_jpeg(path);
-  if (bytes.empty()) return;
+std::string vetted_jpeg(const Path& path) {
+  std::string bytes = slurp_if_jpeg(path);
+  if (bytes.empty()) return bytes;
   MarkerWalk walk(bytes);
   if (!walk.reaches_end()) {
     throw Error(
@@ -110,6 +115,8 @@ void check_jpeg(const Path& path) {
   if (walk.icc_is_damaged()) {
     throw Error(path.string() + ": its colour profile (ICC) is damaged; save the picture again without it");
   }
+  for (const std::size_t begin : walk.profiles()) bytes[begin] = 'x';
+  return bytes;
 }
 
 }  // namespace hdr::internal

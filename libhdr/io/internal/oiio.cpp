@@ -1,5 +1,6 @@
 #include "libhdr/io/internal/oiio.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -64,19 +65,29 @@ void throw_unreadable(const Path& path, OIIO::ImageInput& input) {
       fmt::format("{}: cannot be read: {}; is it damaged?", path.string(), oiio_message(input.geterror(), path)));
 }
 
-std::unique_ptr<OIIO::ImageInput> open_picture(const Path& path) {
+std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path) {
+  /// A JPEG is read from the bytes that were vetted; they live as long as the input.
+  struct Opened {
+    std::string jpeg;
+    std::unique_ptr<OIIO::Filesystem::IOMemReader> reader;
+    std::unique_ptr<OIIO::ImageInput> input;
+  };
   check_file(path);
-  check_jpeg(path);
   share_threads();
+  const auto opened = std::make_shared<Opened>();
+  opened->jpeg = vetted_jpeg(path);
+  if (!opened->jpeg.empty()) {
+    opened->reader = std::make_unique<OIIO::Filesystem::IOMemReader>(opened->jpeg.data(), opened->jpeg.size());
+  }
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
-  auto input = OIIO::ImageInput::open(path.string(), &config);
-  if (!input) {
+  opened->input = OIIO::ImageInput::open(path.string(), &config, opened->reader.get());
+  if (!opened->input) {
     throw Error(fmt::format("{}: not a picture that can be read: {}; is it a photograph or a map?", path.string(),
                             oiio_message(OIIO::geterror(), path)));
   }
-  check_size(path, input->spec());
-  return input;
+  check_size(path, opened->input->spec());
+  return {opened, opened->input.get()};
 }
 
 Image<float> read_floats(OIIO::ImageInput& input, const Path& path) {

@@ -12,7 +12,7 @@ namespace hdr::internal {
 
 /// Opens a picture. Throws Error: missing, a folder, empty, not a picture, a JPEG that ends early, a header that
 /// promises more pixels than such a file can hold. Samples come as stored: alpha is not multiplied in.
-std::unique_ptr<OIIO::ImageInput> open_picture(const Path& path);
+std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path);
 
 /// What OpenImageIO says went wrong, its first line, without the file's name in front.
 std::string oiio_message(const std::string& raw, const Path& path);

@@ -1,5 +1,5 @@
 #pragma once
-// A picture read at continuous pixel positions, with the neighbourhood its projection gives it.
+// A picture read bilinearly at continuous pixel positions, with the neighbourhood its projection gives it.
 #include <optional>
 
 #include "libhdr/core/image.h"
@@ -8,25 +8,18 @@
 
 namespace hdr::internal {
 
-/// kBilinear: between pixel centres. kCells: each pixel is a constant over its cell, as light/ takes a probe; a mean
-/// over the same cells gives the pixels back, where bilinear reading would have blurred them.
-enum class Reading { kBilinear, kCells };
-
 /// A lat-long wraps at its seam and continues over its poles. Elsewhere taps stay inside the frame, and in a picture
 /// with a disc inside the disc: the background beside a ball is not light that the ball reflected.
 class SourcePicture {
  public:
-  SourcePicture(View<const float> pixels, const Projection& projection, Reading reading = Reading::kBilinear);
+  SourcePicture(View<const float> pixels, const Projection& projection);
 
   int channels() const { return pixels_.channels(); }
   bool contains(const Vec2& px) const {
     return px.x() >= 0 && px.x() <= pixels_.width() && px.y() >= 0 && px.y() <= pixels_.height();
   }
 
-  /// Samples an axis that even a small footprint needs: cells have edges.
-  int least_samples() const { return reading_ == Reading::kCells ? 3 : 1; }
-
-  /// sum[c] += the value at px, for each channel.
+  /// sum[c] += the bilinear value at px, for each channel.
   void add(const Vec2& px, double* sum) const;
 
   /// b - a in pixels, over a lat-long's seam by the short way.
@@ -42,7 +35,6 @@ class SourcePicture {
   bool near_rim(const Vec2& px) const;
 
   View<const float> pixels_;
-  Reading reading_;
   bool latlong_;
   std::optional<Disc> disc_;
 };

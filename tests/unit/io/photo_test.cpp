@@ -295,5 +295,23 @@ TEST(WritePicture, KeepsCodesAndAlpha) {
             std::string::npos);
 }
 
+// OpenImageIO 2.4 trusts the offsets in a profile's table of tags, and reads wherever they point.
+TEST(Photo, AProfileThatPointsBeyondItselfIsNotFollowed) {
+  const ScratchDir scratch;
+  write_photo(scratch / "plain.jpg", test::made_up_photo(32, 24, 8, 3, {0.01, 8.0, 100.0, 0}));
+  std::string bytes = read_text(scratch / "plain.jpg");
+  std::string profile(128, '\0');
+  profile.replace(36, 4, "acsp");
+  profile += std::string("\0\0\0\1desc\x3f\0\0\0\0\0\x40\0", 16);
+  const std::string body = std::string("ICC_PROFILE\0\1\1", 14) + profile;
+  const std::size_t length = body.size() + 2;
+  bytes.insert(2, std::string("\xff\xe2", 2) + static_cast<char>(length >> 8) + static_cast<char>(length & 255) + body);
+  write_text(scratch / "profile.jpg", bytes);
+  const Photo plain = read_photo(scratch / "plain.jpg"), with = read_photo(scratch / "profile.jpg");
+  EXPECT_EQ(with.exposure.seconds, plain.exposure.seconds);
+  EXPECT_EQ(std::get<Image<std::uint8_t>>(with.codes)(31, 23, 2),
+            std::get<Image<std::uint8_t>>(plain.codes)(31, 23, 2));
+}
+
 }  // namespace
 }  // namespace hdr
