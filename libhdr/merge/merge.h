@@ -1,12 +1,15 @@
 #pragma once
 // Bracket + response -> radiance map, on the reference shot's grid.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libhdr/align/align.h"
 #include "libhdr/core/photo.h"
 #include "libhdr/core/radiance.h"
+#include "libhdr/core/rows.h"
+#include "libhdr/response/noise.h"
 #include "libhdr/response/response.h"
 
 namespace hdr {
@@ -15,6 +18,11 @@ enum class WeightKind { kAuto, kHat, kVariance };
 
 struct MergeOptions {
   WeightKind weight = WeightKind::kAuto;
+  std::optional<Noise> noise;           ///< absent: estimated from the bracket (response/estimate_noise.h)
+  bool uncertainty = false;             ///< standard deviation and flags of every pixel
+  std::optional<double> exposure_unit;  ///< absent: that of the bracket's middle shot
+  std::optional<double> black_level;    ///< code that means no light, subtracted in linear light; absent: the response's
+  View<const float> flat;               ///< flat field, 3 channels, the map's size: what a uniform scene gave; empty: none
 };
 
 struct MergedFrame {

@@ -1,0 +1,18 @@
+#pragma once
+// The camera's noise, measured from the bracket itself: shots of one scene repeat each other but for noise.
+#include <vector>
+
+#include "libhdr/core/photo.h"
+#include "libhdr/core/vec.h"
+#include "libhdr/response/noise.h"
+#include "libhdr/response/response.h"
+
+namespace hdr {
+
+/// Photon transfer [Janesick07] without a dark frame: the variance of X_short - X_long H_short / H_long, robustly, as a
+/// function of the level, is that of the noise model; full well and read noise (and, for lossy files, code_noise) follow
+/// from it. Where the shots say little (one shot, no overlap) the model stays near its defaults. `ref_from_photo[k]`
+/// maps pixels (centres at integers) of shot k to the common grid; empty means registered.
+Noise estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response);
+
+}  // namespace hdr
