@@ -1,0 +1,215 @@
+// [Janesick07] Photon Transfer: variance against signal gives the gain (here: the full well) and the read noise.
+#include "libhdr/response/estimate_noise.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libhdr/core/error.h"
+#include "libhdr/core/parallel.h"
+#include "libhdr/core/random.h"
+#include "libhdr/response/internal/sample_places.h"
+
+namespace hdr {
+namespace {
+
+constexpr int kPlaces = 12000;
+constexpr int kBinsAnOctave = 2, kOctaves = 20;  ///< of the level of the shorter shot
+constexpr int kBins = kBinsAnOctave * kOctaves;
+constexpr int kFewestInBin = 60;
+constexpr double kHighestLevel = 0.9;  ///< of the longer shot: clear of clipping and of what compression does to it
+
+/// One channel of a response in shares of full well: X(code) and the slope dX/dcode, tabulated.
+struct LevelTable {
+  LevelTable(const Response& response, int channel) {
+    const int codes = 1 << response.bits;
+    const double full_well = response.exposure(channel, codes - 1);
+    for (int code = 0; code < codes; ++code) {
+      level.push_back(response.exposure(channel, code) / full_well);
+    }
+    for (int code = 0; code < codes; ++code) {
+      const int below = std::max(0, code - 1), above = std::min(codes - 1, code + 1);
+      slope.push_back((level[static_cast<std::size_t>(above)] - level[static_cast<std::size_t>(below)]) /
+                      (above - below));
+    }
+    black = response.black_code(channel);
+  }
+  std::vector<double> level, slope;
+  int black = 0;
+};
+
+/// What one pair of shots says about the noise at one level: a variance, and how it depends on the model.
+struct Measurement {
+  double variance;      ///< of X_short - ratio X_long
+  double count;         ///< samples behind it
+  double per_electron;  ///< d variance / d(1 / full well)
+  double per_read;      ///< d variance / d(read noise / full well)^2
+  double per_code;      ///< d variance / d(code noise)^2
+  double rounding;      ///< variance that rounding adds
+};
+
+/// Codes of one channel of all shots at the sampled places; -1 outside the frame. codes[i * shots + j]
+using SampledCodes = std::vector<int>;
+
+struct Residual {
+  double value;
+  double prediction;     ///< level of the shorter shot, from the longer one
+  double slope_squares;  ///< slope_short^2 + ratio^2 slope_long^2
+  bool black;            ///< the shorter shot's code says no light
+};
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Robust variance: the median of the sizes, which for a normal distribution is .6745 deviations. Where black cuts the
+/// noise off below, only the residuals above the prediction are whole; elsewhere the centre is their own median, so
+/// that a small error of the response is not taken for noise.
+double robust_variance(const std::vector<Residual>& bin) {
+  constexpr double kMedianOfNormal = 0.67449;
+  const auto black = std::count_if(bin.begin(), bin.end(), [](const Residual& r) { return r.black; });
+  const bool cut = static_cast<double>(black) > 0.005 * static_cast<double>(bin.size());
+  std::vector<double> sizes;
+  double centre = 0;
+  if (!cut) {
+    for (const Residual& r : bin) sizes.push_back(r.value);
+    centre = median_of(sizes);
+    sizes.clear();
+  }
+  for (const Residual& r : bin) {
+    if (!cut || r.value > 0) sizes.push_back(std::abs(r.value - centre));
+  }
+  if (static_cast<int>(sizes.size()) < kFewestInBin / 4) return 0;
+  const double deviation = median_of(sizes) / kMedianOfNormal;
+  return deviation * deviation;
+}
+
+Measurement measurement_of(const std::vector<Residual>& bin, double ratio) {
+  double prediction = 0, slope_squares = 0;
+  for (const Residual& r : bin) {
+    prediction += r.prediction;
+    slope_squares += r.slope_squares;
+  }
+  const auto count = static_cast<double>(bin.size());
+  prediction /= count;
+  slope_squares /= count;
+  // Shot noise: X_short has variance X / full well, and ratio X_long has ratio^2 (X / ratio) / full well. Each code was
+  // rounded once by the camera, and spread over its cell once more by us.
+  return {robust_variance(bin), count, prediction * (1 + ratio), 1 + ratio * ratio, slope_squares, slope_squares / 6};
+}
+
+/// All bins of the pair (shorter j, longer k).
+void measure_pair(const SampledCodes& codes, std::size_t shots, std::size_t j, std::size_t k, double ratio,
+                  const LevelTable& table, std::vector<Measurement>& out) {
+  std::vector<std::vector<Residual>> bins(kBins);
+  for (std::size_t i = 0; i * shots < codes.size(); ++i) {
+    const int code_short = codes[i * shots + j], code_long = codes[i * shots + k];
+    if (code_short < 0 || code_long < 0 || code_long <= table.black) continue;
+    const auto s = static_cast<std::size_t>(code_short), l = static_cast<std::size_t>(code_long);
+    if (table.level[l] > kHighestLevel) continue;
+    const double prediction = ratio * table.level[l];
+    const int bin = static_cast<int>(std::floor(kBins + kBinsAnOctave * std::log2(prediction)));
+    if (bin < 0 || bin >= kBins) continue;
+    // Spread over their cells, codes are continuous and have a median worth the name.
+    Random random(i, j * shots + k);
+    const double spread_short = random.uniform() - 0.5, spread_long = random.uniform() - 0.5;
+    const double value =
+        table.level[s] + spread_short * table.slope[s] - ratio * (table.level[l] + spread_long * table.slope[l]);
+    bins[static_cast<std::size_t>(bin)].push_back(
+        {value, prediction, table.slope[s] * table.slope[s] + ratio * ratio * table.slope[l] * table.slope[l],
+         code_short <= table.black});
+  }
+  for (const std::vector<Residual>& bin : bins) {
+    if (static_cast<int>(bin.size()) < kFewestInBin) continue;
+    const Measurement m = measurement_of(bin, ratio);
+    if (m.variance > 0) out.push_back(m);
+  }
+}
+
+/// ln(measured / model), in units of the doubt of a variance; parameters ln(1/full well), ln(read/full well)^2 and
+/// ln(code noise)^2.
+struct VarianceTerm {
+  Measurement m;
+  template <class T>
+  bool operator()(const T* electron, const T* read, const T* code, T* residual) const {
+    const T model = ceres::exp(*electron) * m.per_electron + ceres::exp(*read) * m.per_read +
+                    ceres::exp(*code) * m.per_code + m.rounding;
+    // A variance from n medians has a relative deviation of about sqrt(5 / n); and no model is right within 10 %.
+    residual[0] = (std::log(m.variance) - ceres::log(model)) / std::sqrt(5.0 / m.count + 0.01);
+    return true;
+  }
+};
+
+/// What is known of cameras before looking: weak, for brackets that say nothing.
+struct Prior {
+  double mean, deviation;
+  template <class T>
+  bool operator()(const T* value, T* residual) const {
+    residual[0] = (*value - mean) / deviation;
+    return true;
+  }
+};
+
+NoiseModel fit_noise(const std::vector<Measurement>& measurements, bool lossy) {
+  const NoiseModel usual;
+  double electron = std::log(1 / usual.full_well), read = 2 * std::log(usual.read_noise / usual.full_well);
+  constexpr double kUsualCodeNoise = 0.5;
+  double code = 2 * std::log(kUsualCodeNoise);
+  ceres::Problem problem;
+  const auto add_prior = [&](double* value, double deviation) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{*value, deviation}), nullptr,
+                             value);
+  };
+  add_prior(&electron, 1.5);
+  add_prior(&read, 3);
+  add_prior(&code, 1.5);
+  for (const Measurement& m : measurements) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<VarianceTerm, 1, 1, 1, 1>(new VarianceTerm{m}),
+                             new ceres::CauchyLoss(3), &electron, &read, &code);
+  }
+  if (!lossy) {
+    code = -100;  // nothing besides the rounding
+    problem.SetParameterBlockConstant(&code);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  NoiseModel noise;
+  noise.full_well = std::exp(-electron);
+  noise.read_noise = std::exp(0.5 * read) * noise.full_well;
+  noise.code_noise = lossy ? std::exp(0.5 * code) : 0;
+  return noise;
+}
+
+}  // namespace
+
+Noise estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response) {
+  HDR_ASSERT(response.bits == bracket.bits());
+  const std::size_t shots = bracket.shots.size();
+  const std::array<SampledCodes, 3> codes =
+      internal::codes_at_places(bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces));
+  const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
+  Noise noise;
+  for_rows(3, 1, [&](int channel, int) {
+    const auto c = static_cast<std::size_t>(channel);
+    const LevelTable table(response, channel);
+    std::vector<Measurement> measurements;
+    for (std::size_t j = 0; j < shots; ++j) {
+      for (std::size_t k = j + 1; k < std::min(shots, j + 3); ++k) {
+        const double ratio = bracket.shots[j].relative_exposure() / bracket.shots[k].relative_exposure();
+        measure_pair(codes[c], shots, j, k, ratio, table, measurements);
+      }
+    }
+    noise[c] = fit_noise(measurements, lossy);
+  });
+  return noise;
+}
+
+}  // namespace hdr
