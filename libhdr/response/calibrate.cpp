@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
 #include "libhdr/response/internal/observations.h"
+#include "libhdr/response/internal/refine_times.h"
 #include "libhdr/response/internal/smoothness.h"
 
 namespace hdr {
@@ -36,7 +38,8 @@ void check_exposures(const Bracket& bracket) {
     most = std::max(most, exposure);
   }
   if (!(most > 1.001 * least)) {
-    throw Error(first + ": all exposures are equal and do not determine a response; vary them or merge with --response srgb");
+    throw Error(first +
+                ": all exposures are equal and do not determine a response; vary them or merge with --response srgb");
   }
 }
 
@@ -104,6 +107,17 @@ std::vector<double> curve_from_fit(const Knots& knots, const Eigen::VectorXd& g,
   return curve;
 }
 
+/// From the knots to the samples of a response.
+std::vector<double> deviation_at_samples(const Knots& knots, const Eigen::VectorXd& deviation,
+                                         const Response& response) {
+  std::vector<double> at_samples;
+  for (int level = 0; level < response_levels(response.bits); ++level) {
+    const Knots::Place place = knots.place(response.code_from_level(level));
+    at_samples.push_back((1 - place.t) * deviation[place.knot] + place.t * deviation[place.knot + 1]);
+  }
+  return at_samples;
+}
+
 std::array<CurveFit, 3> fit_channels(const Knots& knots, const Observations& seen, double smoothness,
                                      std::optional<double> outlier_scale = {}) {
   std::array<CurveFit, 3> fits;
@@ -159,25 +173,101 @@ std::vector<std::string> check_coverage(Observations& seen, const Knots& knots, 
 }
 
 /// A channel without a curve of its own borrows the mean of the others.
-void borrow_curves(Response& response) {
+void borrow_curves(std::array<std::vector<double>, 3>& curves_of_channels) {
   std::vector<double> mean;
   double curves = 0;
-  for (const std::vector<double>& curve : response.g) {
+  for (const std::vector<double>& curve : curves_of_channels) {
     if (curve.empty()) continue;
     if (mean.empty()) mean.resize(curve.size());
     for (std::size_t k = 0; k < curve.size(); ++k) mean[k] += curve[k];
     ++curves;
   }
   for (double& value : mean) value /= curves;
-  for (std::vector<double>& curve : response.g) {
+  for (std::vector<double>& curve : curves_of_channels) {
     if (curve.empty()) curve = mean;
   }
 }
 
-Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<double> smoothness) {
+/// ln H_j as refined. Times that are labels of a camera's dial are tried as the powers of two that they stand for, too.
+/// Twice: the noise that tells outliers from errors of the times is known only when the times are.
+void refine_exposures(Observations& seen, const Bracket& bracket, const Knots& knots, double smoothness,
+                      Calibration& result) {
+  const auto shots = static_cast<Eigen::Index>(bracket.shots.size());
+  Eigen::VectorXd seconds(shots);
+  for (Eigen::Index j = 0; j < shots; ++j) seconds[j] = *bracket.shots[static_cast<std::size_t>(j)].exposure.seconds;
+  const Eigen::VectorXd given = seen.ln_exposure;
+  const Eigen::VectorXd snapped = given + snapped_ln_times(seconds) - seconds.array().log().matrix();
+  double best = INFINITY;
+  for (const Eigen::VectorXd& start : {given, snapped}) {
+    Observations trial = seen;
+    trial.ln_exposure = start;
+    double noise = 0.02;  // a few codes
+    RefinedTimes refined;
+    for (int pass = 0; pass < 2; ++pass) {
+      refined = refine_times(knots, trial, smoothness, noise);
+      noise = std::max(1e-4, refined.rms);
+    }
+    // Both starts end at times that explain the pictures; the likelier one needed the smaller corrections.
+    const double surprise = refined.count * std::log(refined.rms * refined.rms) + refined.prior;
+    if (!(surprise < best)) continue;
+    best = surprise;
+    seen.ln_exposure = start + refined.correction;
+    if (snapped == given) break;
+  }
+  for (std::size_t j = 0; j < result.seconds.size(); ++j) {
+    const auto k = static_cast<Eigen::Index>(j);
+    result.seconds[j] *= std::exp(seen.ln_exposure[k] - given[k]);
+  }
+}
+
+/// Exposures that are all a multiple of one large step from each other leave g ambiguous by any function of that period
+/// [Grossberg03]: smoothness decides, and one shot between would know.
+void warn_of_uniform_steps(const Observations& seen, std::vector<std::string>& warnings) {
+  constexpr double kLargeStep = 1.5, kTolerance = 0.08;  // stops
+  double step = INFINITY;
+  for (Eigen::Index j = 1; j < seen.ln_exposure.size(); ++j) {
+    const double apart = (seen.ln_exposure[j] - seen.ln_exposure[j - 1]) / std::log(2.0);
+    if (apart > kTolerance) step = std::min(step, apart);
+  }
+  if (!(step >= kLargeStep && std::isfinite(step))) return;
+  for (Eigen::Index j = 1; j < seen.ln_exposure.size(); ++j) {
+    const double steps = (seen.ln_exposure[j] - seen.ln_exposure[0]) / (std::log(2.0) * step);
+    if (std::abs(steps - std::round(steps)) * step > kTolerance) return;
+  }
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "all exposures are steps of %.1f EV apart, which leaves the response open to waves of that period; one "
+                "more shot off the grid (at +%.1f EV, say) would settle it",
+                step, step / 3);
+  warnings.emplace_back(text);
+}
+
+/// The noise of the points, and what the choice of a smoothness is worth: how far the curve moves when it is ten times
+/// less smooth, or when smoothness is judged with the other shoulder. The stiffest curve that the data admit is a
+/// little stiff.
+Eigen::VectorXd total_deviation(const Knots& knots, const Observations& seen, std::size_t c,
+                                const SmoothnessChoice& choice, const CurveFit& fit) {
+  const Eigen::VectorXd random = curve_deviation(knots, seen.codes[c], choice.smoothness, fit.rms);
+  const CurveFit looser = fit_curve(knots, seen.codes[c], seen.ln_exposure, 0.1 * choice.smoothness);
+  const Eigen::VectorXd systematic = (looser.g - fit.g).cwiseAbs();
+  // Where two curves cross, their distance says nothing: the largest among neighbours does.
+  Eigen::VectorXd total(knots.count());
+  const int reach = knots.count() / 32;
+  for (int k = 0; k < knots.count(); ++k) {
+    const int first = std::max(0, k - reach), last = std::min(knots.count() - 1, k + reach);
+    total[k] = std::hypot(random[k], systematic.segment(first, last - first + 1).maxCoeff());
+  }
+  total[knots.middle()] = 0;
+  return total;
+}
+
+Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<double> smoothness, bool refine) {
   const Knots first_knots(seen.bits);
   Calibration result;
+  for (const Photo& photo : bracket.shots) result.seconds.push_back(photo.exposure.seconds.value_or(0));
   result.warnings = check_coverage(seen, first_knots, bracket);
+  if (refine) refine_exposures(seen, bracket, first_knots, smoothness.value_or(kStiff), result);
+  warn_of_uniform_steps(seen, result.warnings);
   drop_outliers(seen, first_knots, fit_channels(first_knots, seen, smoothness.value_or(kStiff), kWideOutliers));
   const SmoothnessChoice choice =
       smoothness ? SmoothnessChoice{*smoothness, INFINITY} : choose_smoothness(seen.bits, seen.codes, seen.ln_exposure);
@@ -194,6 +284,8 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
       throw Error(bracket.shots.front().path.string() +
                   ": longer exposures are not brighter in this bracket; check the times against the files");
     }
+    result.deviation[c] =
+        deviation_at_samples(knots, total_deviation(knots, seen, c, choice, fits[c]), result.response);
     const auto terms = static_cast<double>(seen.codes[c].array().isFinite().count());
     squares += fits[c].rms * fits[c].rms * terms;
     count += terms;
@@ -201,7 +293,8 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
     result.pixels += static_cast<int>(seen.codes[c].rows());
   }
   result.rms_log_error = std::sqrt(squares / count);
-  borrow_curves(result.response);
+  borrow_curves(result.response.g);
+  borrow_curves(result.deviation);
   return result;
 }
 
@@ -211,12 +304,12 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
                                     const CalibrateOptions& options) {
   check_exposures(bracket);
   return calibrate(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints), bracket,
-                   options.smoothness);
+                   options.smoothness, options.refine_times);
 }
 
 Response provisional_response(const Bracket& bracket) {
   check_exposures(bracket);
-  return calibrate(match_quantiles(bracket), bracket, kStiff).response;
+  return calibrate(match_quantiles(bracket), bracket, kStiff, false).response;
 }
 
 }  // namespace hdr

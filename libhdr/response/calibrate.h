@@ -1,5 +1,6 @@
 #pragma once
 // Finding the response from a bracket.
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,9 @@ namespace hdr {
 struct CalibrateOptions {
   std::optional<double> smoothness;  ///< lambda of [Debevec97] eq. 3; absent: chosen from the data
   int pixels = 0;                    ///< points a channel; 0: as many as the fit needs
+  /// Exposure times are unknowns too (slope and mean of their logs fixed, each within a quarter of a stop). Labels of a
+  /// camera's 1/3-stop scale (1/60) are first taken as the powers of two they stand for, where that fits better.
+  bool refine_times = false;
 };
 
 /// `rms_log_error` is the weighted rms of g(Z_ij) - ln E_i - ln H_j over the pixels used, in natural logs.
@@ -21,7 +25,11 @@ struct Calibration {
   double rms_log_error = 0;
   bool converged = false;
   double smoothness = 0;
-  int pixels = 0;                     ///< points used, all channels together
+  int pixels = 0;  ///< points used, all channels together
+  /// Standard deviation of g at each of its samples, natural log: the fit's own doubt, relative to the middle code.
+  std::array<std::vector<double>, 3> deviation;
+  /// Seconds of each shot as refined, in the order of Bracket::shots; as given when that was not asked for.
+  std::vector<double> seconds;
   std::vector<std::string> warnings;  ///< e.g. codes that no pixel reached
 };
 

@@ -10,11 +10,6 @@
 namespace hdr {
 namespace {
 
-/// w(Z): the hat of [Debevec97] eq. 4, 1 in the middle; a little is left at the ends for the smoothness term.
-double hat(double code, double max_code) {
-  return std::max(0.02, std::min(code, max_code - code) / (0.5 * max_code));
-}
-
 /// w(Z_ij) [g(Z_ij) - ln E_i - ln H_j], g interpolated between two knots. Parameters: ln E_i, g[k], g[k + 1].
 class DataTerm final : public ceres::SizedCostFunction<1, 1, 1, 1> {
  public:
@@ -54,11 +49,8 @@ class SmoothnessTerm final : public ceres::SizedCostFunction<1, 1, 1, 1> {
 
 void add_smoothness(ceres::Problem& problem, const Knots& knots, double smoothness, Eigen::VectorXd& g) {
   for (int k = 1; k + 1 < knots.count(); ++k) {
-    const double left = knots.u(k) - knots.u(k - 1), right = knots.u(k + 1) - knots.u(k);
-    const double du = 0.5 * (left + right);
-    const double factor = std::sqrt(smoothness * du) * hat(knots.code(k), knots.max_code()) / du;
-    problem.AddResidualBlock(new SmoothnessTerm(factor / left, -factor * (1 / left + 1 / right), factor / right),
-                             nullptr, &g[k - 1], &g[k], &g[k + 1]);
+    const std::array<double, 3> c = smoothness_coefficients(knots, k, smoothness);
+    problem.AddResidualBlock(new SmoothnessTerm(c[0], c[1], c[2]), nullptr, &g[k - 1], &g[k], &g[k + 1]);
   }
 }
 
@@ -84,6 +76,17 @@ ceres::Solver::Options solver_options(const Eigen::VectorXd& ln_radiance, const 
 
 }  // namespace
 
+double hat_weight(double code, double max_code) {
+  return std::max(0.02, std::min(code, max_code - code) / (0.5 * max_code));
+}
+
+std::array<double, 3> smoothness_coefficients(const Knots& knots, int k, double smoothness) {
+  const double left = knots.u(k) - knots.u(k - 1), right = knots.u(k + 1) - knots.u(k);
+  const double du = 0.5 * (left + right);
+  const double factor = std::sqrt(smoothness * du) * hat_weight(knots.code(k), knots.max_code()) / du;
+  return {factor / left, -factor * (1 / left + 1 / right), factor / right};
+}
+
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
                    double smoothness, std::optional<double> outlier_scale) {
   CurveFit fit;
@@ -104,7 +107,7 @@ CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen
       const Knots::Place place = knots.place(codes(i, j));
       ln_radiance[i] += (1 - place.t) * fit.g[place.knot] + place.t * fit.g[place.knot + 1] - ln_exposure[j];
       ++seen;
-      problem.AddResidualBlock(new DataTerm(hat(codes(i, j), knots.max_code()), place.t, ln_exposure[j]), loss,
+      problem.AddResidualBlock(new DataTerm(hat_weight(codes(i, j), knots.max_code()), place.t, ln_exposure[j]), loss,
                                &ln_radiance[i], &fit.g[place.knot], &fit.g[place.knot + 1]);
     }
     ln_radiance[i] /= std::max(1, seen);
@@ -131,14 +134,14 @@ Eigen::MatrixXd weighted_residuals(const Knots& knots, const Eigen::VectorXd& g,
     for (Eigen::Index j = 0; j < codes.cols(); ++j) {
       if (std::isnan(codes(i, j))) continue;
       const Knots::Place place = knots.place(codes(i, j));
-      const double w = hat(codes(i, j), knots.max_code());
+      const double w = hat_weight(codes(i, j), knots.max_code());
       residuals(i, j) = (1 - place.t) * g[place.knot] + place.t * g[place.knot + 1] - ln_exposure[j];
       sum += w * w * residuals(i, j);
       weights += w * w;
     }
     for (Eigen::Index j = 0; j < codes.cols(); ++j) {
       if (!std::isnan(codes(i, j)))
-        residuals(i, j) = hat(codes(i, j), knots.max_code()) * (residuals(i, j) - sum / weights);
+        residuals(i, j) = hat_weight(codes(i, j), knots.max_code()) * (residuals(i, j) - sum / weights);
     }
   }
   return residuals;

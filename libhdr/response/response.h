@@ -41,8 +41,10 @@ Response film_response(int bits);
 /// "linear", "srgb", "gamma:2.2", "film". nullopt for any other text (a file name).
 std::optional<Response> response_from_name(const std::string& name, int bits);
 
-/// {"format": "hdr-response", "version": 1, "levels": N, "g": {...}, ...}; errors name `source`.
-std::string json_from_response(const Response& response, double rms_log_error = 0);
+/// {"format": "hdr-response", "version": 1, "levels": N, "g": {...}, ...}, with the standard deviation of g where it is
+/// known; errors name `source`.
+std::string json_from_response(const Response& response, double rms_log_error = 0,
+                               const std::array<std::vector<double>, 3>& deviation = {});
 Response response_from_json(const std::string& json, const std::string& source);
 
 /// Samples of g that a photograph of this depth has: 256 or 4096.

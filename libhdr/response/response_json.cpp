@@ -33,7 +33,8 @@ std::vector<double> checked_curve(const nlohmann::json& values, const std::strin
 
 }  // namespace
 
-std::string json_from_response(const Response& response, double rms_log_error) {
+std::string json_from_response(const Response& response, double rms_log_error,
+                               const std::array<std::vector<double>, 3>& deviation) {
   nlohmann::ordered_json json;
   json["format"] = "hdr-response";
   json["version"] = 1;
@@ -41,6 +42,9 @@ std::string json_from_response(const Response& response, double rms_log_error) {
   json["levels"] = response.levels();
   json["rms_log_error"] = rms_log_error;
   for (std::size_t c = 0; c < 3; ++c) json["g"][kChannelNames[c]] = response.g[c];
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!deviation[c].empty()) json["deviation"][kChannelNames[c]] = deviation[c];
+  }
   return json.dump() + "\n";
 }
 

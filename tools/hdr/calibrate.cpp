@@ -20,7 +20,7 @@ std::function<int(Run&)> declare_calibrate(CLI::App& app) {
     const Alignment alignment = align_shots(run, bracket, std::nullopt, method);
     const Calibration calibration = calibrate_shots(run, bracket, alignment, options->calibrate.options());
     answer_calibration(run, bracket, calibration);
-    write_text(options->output, json_from_response(calibration.response, calibration.rms_log_error));
+    write_text(options->output, json_from_response(calibration.response, calibration.rms_log_error, calibration.deviation));
     run.say("wrote " + options->output);
     return 0;
   };

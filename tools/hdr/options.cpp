@@ -83,10 +83,13 @@ void CalibrateFlags::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--smoothness", smoothness, "weight of the curve's smoothness, or auto: chosen from the data")
       ->capture_default_str();
+  app.add_flag("--refine-times", refine_times,
+               "fit the exposure times too: shutters are off by a few percent, and 1/60 s on the dial is 1/64");
 }
 
 CalibrateOptions CalibrateFlags::options() const {
   CalibrateOptions options;
+  options.refine_times = refine_times;
   if (smoothness != "auto") {
     options.smoothness = number_from_text(smoothness, "--smoothness");
     if (!(*options.smoothness > 0)) throw Error("--smoothness: give a positive number or auto");

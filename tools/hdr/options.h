@@ -34,6 +34,7 @@ struct ShotsOptions {
 struct CalibrateFlags {
   std::string method = "debevec-malik";
   std::string smoothness = "auto";
+  bool refine_times = false;
 
   void declare(CLI::App& app);
   CalibrateOptions options() const;

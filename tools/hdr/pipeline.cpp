@@ -92,6 +92,7 @@ MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
     Calibration calibration = calibrate_shots(run, bracket, alignment, options.calibrate.options());
     answer_calibration(run, bracket, calibration);
     rms_log_error = calibration.rms_log_error;
+    for (std::size_t k = 0; k < bracket.shots.size(); ++k) bracket.shots[k].exposure.seconds = calibration.seconds[k];
     response = std::move(calibration.response);
   }
   Merged merged = run.stage("merge", [&] { return merge(bracket, alignment, response, options.merge.options()); });
@@ -134,7 +135,7 @@ void answer_calibration(Run& run, const Bracket& bracket, const Calibration& cal
     const Photo& shot = bracket.shots[shot_of_input(bracket, k)];
     exposures.push_back({{"path", shot.path.string()},
                          {"seconds", *shot.exposure.seconds},
-                         {"refined_seconds", *shot.exposure.seconds},
+                         {"refined_seconds", calibration.seconds[shot_of_input(bracket, k)]},
                          {"relative_exposure", shot.relative_exposure()}});
   }
   run.answer["exposures"] = std::move(exposures);

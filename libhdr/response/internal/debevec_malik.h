@@ -1,6 +1,7 @@
 #pragma once
 // [Debevec97] eq. 3 for one channel.
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 
 #include "libhdr/response/internal/knots.h"
@@ -19,6 +20,17 @@ struct CurveFit {
 /// misregistered counts little. `codes(i, j)` is NaN where shot j does not show point i.
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
                    double smoothness, std::optional<double> outlier_scale = {});
+
+/// Standard deviation of g at each knot (0 at the middle one): the inverse of the fit's normal matrix, in which the
+/// ln E_i are eliminated, times `rms`. With the smoothness as the prior that it is, codes that no two shots share have
+/// large ones.
+Eigen::VectorXd curve_deviation(const Knots& knots, const Eigen::MatrixXd& codes, double smoothness, double rms);
+
+/// w(Z): the hat of [Debevec97] eq. 4, 1 in the middle; a little is left at the ends for the smoothness term.
+double hat_weight(double code, double max_code);
+
+/// Coefficients of g[k-1], g[k], g[k+1] in the residual of the smoothness at knot k.
+std::array<double, 3> smoothness_coefficients(const Knots& knots, int k, double smoothness);
 
 /// w(Z_ij) [g(Z_ij) - ln E_i - ln H_j], with ln E_i the weighted mean over the shots; NaN where codes are.
 Eigen::MatrixXd weighted_residuals(const Knots& knots, const Eigen::VectorXd& g, const Eigen::MatrixXd& codes,
