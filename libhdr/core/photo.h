@@ -4,6 +4,8 @@
 // other.
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -16,21 +18,33 @@ namespace hdr {
 using Path = std::filesystem::path;
 using Codes = std::variant<Image<std::uint8_t>, Image<std::uint16_t>>;
 
+class PhotoRows;  // core/rows.h
+
+/// Where the codes of a photograph can be had again, from any thread, as often as they are needed.
+struct PhotoSource {
+  Size size;
+  std::function<std::unique_ptr<PhotoRows>()> open;  ///< empty: there is no other place than Photo::codes
+};
+
+/// The codes need not be in memory: where `codes` is empty they come from `source`. Readers that go from top to bottom
+/// take rows_of(photo), others a LoadedShot (core/rows.h); both serve either kind.
 struct Photo {
   Path path;
   Exposure exposure;
   int bits = 8;        ///< codes run from 0 to 2^bits - 1; up to 8 bits they are stored in bytes
   bool lossy = false;  ///< JPEG and its kin: codes near the ends are smeared by chroma subsampling and ringing
-  Codes codes;         ///< RGB interleaved, upright; a grey photograph has three equal channels
+  Codes codes;         ///< RGB interleaved, upright; a grey photograph has three equal channels; or empty
+  PhotoSource source;
 
   int max_code() const { return (1 << bits) - 1; }
-  int width() const {
-    return std::visit([](const auto& image) { return image.width(); }, codes);
+  bool in_memory() const {
+    return !std::visit([](const auto& image) { return image.empty(); }, codes);
   }
-  int height() const {
-    return std::visit([](const auto& image) { return image.height(); }, codes);
+  Size size() const {
+    return in_memory() ? std::visit([](const auto& image) { return image.size(); }, codes) : source.size;
   }
-  Size size() const { return {width(), height()}; }
+  int width() const { return size().width; }
+  int height() const { return size().height; }
   double relative_exposure() const { return exposure.relative().value(); }
 };
 

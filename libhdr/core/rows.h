@@ -22,8 +22,21 @@ class PhotoRows {
   virtual CodesView rows(int first, int last) = 0;
 };
 
-/// The rows of `photo`, which must outlive them: a view of its codes.
+/// The rows of `photo`, which must outlive them: a view of its codes where they are in memory, else decoded again.
 std::unique_ptr<PhotoRows> rows_of(const Photo& photo);
+
+/// A photograph with its codes: a reference to `photo` (which must then outlive this) where they are in memory, else
+/// decoded, and kept for the lifetime of this object alone. Throws what the decoder throws.
+class LoadedShot {
+ public:
+  explicit LoadedShot(const Photo& photo);
+  const Photo& operator*() const { return *photo_; }
+  const Photo* operator->() const { return photo_; }
+
+ private:
+  std::unique_ptr<Photo> decoded_;
+  const Photo* photo_;
+};
 
 /// What is known of a pixel of a radiance map besides its value.
 enum PixelFlag : std::uint8_t {

@@ -8,6 +8,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/io/internal/bracket_checks.h"
 #include "libhdr/io/internal/exif.h"
 #include "libhdr/io/internal/photo_file.h"
@@ -42,6 +43,25 @@ std::vector<T> in_parallel(std::size_t count, const Work& work) {
     results[i] = work(i);
   });
   return results;
+}
+
+/// How many shots keep their codes.
+std::size_t shots_kept(const std::vector<PhotoHeader>& headers, std::optional<double> code_bytes_a_pixel) {
+  const double all = static_cast<double>(headers.size());
+  const double shot = headers.front().bits <= 8 ? 3 : 6;
+  if (!code_bytes_a_pixel || all * shot <= *code_bytes_a_pixel) return headers.size();
+  return static_cast<std::size_t>(std::max(0.0, 0.5 * *code_bytes_a_pixel / shot));
+}
+
+Photo decoded_shot(const Path& path, Size size) {
+  Photo shot = internal::decode_photo(path);
+  internal::crop(shot, size);
+  return shot;
+}
+
+Photo shot_to_decode_again(const PhotoHeader& header, Size size) {
+  const PhotoSource source{size, [path = header.path, size] { return open_photo_rows(path, size); }};
+  return {header.path, header.exposure, header.bits, header.lossy, {}, source};
 }
 
 /// --times, in the order of the files, in place of EXIF's times; the apertures and ISO speeds stay.
@@ -155,10 +175,13 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   replace_times(exposures, paths, options.times);
   if (!options.exposures) require_times(exposures, paths);  // before anything is decoded
 
-  bracket.shots = in_parallel<Photo>(paths.size(), [&](std::size_t i) { return internal::decode_photo(paths[i]); });
-  for (Photo& shot : bracket.shots) internal::crop(shot, size);
-  auto brightness =
-      in_parallel<Brightness>(paths.size(), [&](std::size_t i) { return internal::brightness_of(bracket.shots[i]); });
+  const std::size_t kept = shots_kept(headers, options.code_bytes_a_pixel);
+  bracket.shots = in_parallel<Photo>(paths.size(), [&](std::size_t i) {
+    return i < kept ? decoded_shot(paths[i], size) : shot_to_decode_again(headers[i], size);
+  });
+  auto brightness = in_parallel<Brightness>(paths.size(), [&](std::size_t i) {
+    return internal::brightness_of(*rows_of(bracket.shots[i]), bracket.shots[i].max_code());
+  });
   if (options.exposures) {
     replace_by_list(exposures, paths, *options.exposures, options.list_format, brightness);
     replace_times(exposures, paths, options.times);

@@ -1,11 +1,14 @@
 #pragma once
 // Files in. A photograph is read as codes, a map as linear light; the caller says which he wants.
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libhdr/core/photo.h"
 #include "libhdr/core/radiance.h"
+#include "libhdr/core/rows.h"
 
 namespace hdr {
 
@@ -13,6 +16,14 @@ namespace hdr {
 /// dropped, grey repeated in three channels. Throws Error: missing, not an image, truncated, float samples (a radiance
 /// map is not a photograph).
 Photo read_photo(const Path& path);
+
+/// The rows of a photograph (upright, as read_photo gives them), decoded as they are asked for: JPEG, PNG and TIFF with
+/// a few rows in memory. A picture that is turned (EXIF orientation), tiled, interlaced, progressive, or of another
+/// format is decoded whole when its first rows are asked for, one such picture at a time, into a temporary file that
+/// has no name, and read back from there. `top_left`: only this part of the picture. Objects may be used side by side,
+/// each by one thread at a time. Throws what read_photo throws: here for what a header tells, in rows() where the file
+/// turns out to be damaged, with the row ("FILE: cannot be read after row 812 of 4000: ...").
+std::unique_ptr<PhotoRows> open_photo_rows(const Path& path, std::optional<Size> top_left = std::nullopt);
 
 /// Only the exposure and the size: no pixel is decoded.
 struct PhotoHeader {
@@ -26,8 +37,8 @@ PhotoHeader read_photo_header(const Path& path);
 
 /// Linear float RGB: EXR, HDR, PFM, float TIFF as they are; integer files (PNG, JPEG, ...) decoded from sRGB to linear
 /// [0,1], and a note in `warnings`. NaN and negative samples become 0 and infinities the largest finite sample of the
-/// map, counted in `warnings`; a map without any finite sample is an Error. kKeep leaves all samples as they are, for who
-/// wants to count them himself.
+/// map, counted in `warnings`; a map without any finite sample is an Error. kKeep leaves all samples as they are, for
+/// who wants to count them himself.
 struct ReadMap {
   RadianceMap map;
   std::vector<std::string> warnings;

@@ -8,6 +8,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/io/internal/exif.h"
 #include "libhdr/io/internal/oiio.h"
 #include "libhdr/io/internal/write_exr.h"
@@ -144,7 +145,7 @@ void write_photo(const Path& path, const Photo& photo, int jpeg_quality) {
     if (is_jpeg(extension)) make_jpeg_like_a_camera(spec, jpeg_quality);
     write_pixels(out.temporary(), path, spec, codes.view());
   };
-  std::visit(write_codes, photo.codes);
+  std::visit(write_codes, LoadedShot(photo)->codes);
   internal::embed_exposure(out.temporary(), photo.exposure);
   out.commit();
 }

@@ -11,27 +11,28 @@ constexpr int kLevels = 4096;
 constexpr int kSamplesWanted = 1 << 18;  ///< pixels on a regular grid: a quantile is then known to about 0.1 %
 
 /// Luma (Rec. 709 weights on codes), spread over kLevels.
-template <class T>
-std::vector<std::int64_t> luma_histogram(const Image<T>& image, int max_code) {
+std::vector<std::int64_t> luma_histogram(PhotoRows& rows, int max_code) {
   std::vector<std::int64_t> histogram(kLevels);
-  const double pixels = 1.0 * image.width() * image.height();
+  const Size size = rows.size();
+  const double pixels = 1.0 * size.width * size.height;
   const int step = std::max(1, static_cast<int>(std::sqrt(pixels / kSamplesWanted)));
   const double scale = (kLevels - 1.0) / max_code;
-  for (int y = step / 2; y < image.height(); y += step) {
-    for (int x = step / 2; x < image.width(); x += step) {
-      const T* p = image.pixel(x, y);
+  const auto add_row = [&](const auto& row) {
+    for (int x = step / 2; x < size.width; x += step) {
+      const auto* p = row.pixel(x, 0);
       const double luma = 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
       ++histogram[static_cast<std::size_t>(std::lround(scale * luma))];
     }
-  }
+  };
+  for (int y = step / 2; y < size.height; y += step) std::visit(add_row, rows.rows(y, y + 1));
+  rows.rows(size.height, size.height);  // what is damaged below the last sample is found out too
   return histogram;
 }
 
 }  // namespace
 
-Brightness brightness_of(const Photo& photo) {
-  const auto histogram =
-      std::visit([&](const auto& image) { return luma_histogram(image, photo.max_code()); }, photo.codes);
+Brightness brightness_of(PhotoRows& rows, int max_code) {
+  const std::vector<std::int64_t> histogram = luma_histogram(rows, max_code);
   std::int64_t total = 0;
   double sum = 0;
   for (std::size_t level = 0; level < histogram.size(); ++level) {

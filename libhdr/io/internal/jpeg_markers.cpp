@@ -38,13 +38,13 @@ class MarkerWalk {
     while (const std::optional<std::uint8_t> code = next_marker()) {
       if (*code == kEoi) return true;
       if (is_restart(*code) || *code == kSoi || *code == 0x01) continue;  // markers that stand alone
+      if (*code == kSos) ++layout_.scans;
       if (!skip_segment(*code)) return false;
     }
     return false;
   }
   bool icc_is_damaged() const { return icc_is_damaged_; }
-  /// Where the signatures of ICC profiles begin.
-  const std::vector<std::size_t>& profiles() const { return profiles_; }
+  const JpegLayout& layout() const { return layout_; }
 
  private:
   std::uint8_t byte(std::size_t i) const { return static_cast<std::uint8_t>(bytes_[i]); }
@@ -72,7 +72,7 @@ class MarkerWalk {
   /// An ICC profile comes in chunks numbered 1 to count.
   void check_icc(std::size_t begin, std::size_t length) {
     if (length < sizeof kIccSignature || std::memcmp(&bytes_[begin], kIccSignature, sizeof kIccSignature) != 0) return;
-    profiles_.push_back(begin);
+    layout_.profiles.push_back(begin);
     constexpr std::size_t kHead = sizeof kIccSignature + 2;
     if (length < kHead) {
       icc_is_damaged_ = true;
@@ -85,7 +85,7 @@ class MarkerWalk {
   const std::string& bytes_;
   std::size_t at_ = 0;
   bool icc_is_damaged_ = false;
-  std::vector<std::size_t> profiles_;
+  JpegLayout layout_;
 };
 
 std::string slurp_if_jpeg(const Path& path) {
@@ -102,9 +102,9 @@ std::string slurp_if_jpeg(const Path& path) {
 
 }  // namespace
 
-std::string vetted_jpeg(const Path& path) {
-  std::string bytes = slurp_if_jpeg(path);
-  if (bytes.empty()) return bytes;
+std::optional<JpegLayout> vet_jpeg(const Path& path) {
+  const std::string bytes = slurp_if_jpeg(path);
+  if (bytes.empty()) return std::nullopt;
   MarkerWalk walk(bytes);
   if (!walk.reaches_end()) {
     throw Error(
@@ -115,8 +115,7 @@ std::string vetted_jpeg(const Path& path) {
   if (walk.icc_is_damaged()) {
     throw Error(path.string() + ": its colour profile (ICC) is damaged; save the picture again without it");
   }
-  for (const std::size_t begin : walk.profiles()) bytes[begin] = 'x';
-  return bytes;
+  return walk.layout();
 }
 
 }  // namespace hdr::internal

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fstream>
 #include <mutex>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/io/internal/jpeg_file.h"
 #include "libhdr/io/internal/jpeg_markers.h"
 
 namespace hdr::internal {
@@ -43,6 +45,19 @@ void check_size(const Path& path, const OIIO::ImageSpec& spec) {
   }
 }
 
+bool is_interlaced_png(const Path& path) {
+  constexpr std::size_t kInterlaceMethod = 28;  // in IHDR, always the first chunk (PNG, 11.2.2)
+  char start[kInterlaceMethod + 1] = {};
+  std::ifstream(path, std::ios::binary).read(start, sizeof start);
+  return start[kInterlaceMethod] != 0;
+}
+
+bool decodes_in_one_pass(const OIIO::ImageInput& input, const Path& path) {
+  const std::string format = input.format_name();
+  if (format == "png") return !is_interlaced_png(path);
+  return format == "tiff" && input.spec().tile_width == 0;
+}
+
 /// OpenImageIO and OpenEXR keep pools of their own: they get as many threads as we have.
 void share_threads() {
   OIIO::attribute("threads", threads());
@@ -61,39 +76,41 @@ std::string oiio_message(const std::string& raw, const Path& path) {
   return text;
 }
 
-void throw_unreadable(const Path& path, OIIO::ImageInput& input) {
-  throw Error(
-      fmt::format("{}: cannot be read: {}; is it damaged?", path.string(), oiio_message(input.geterror(), path)));
+void throw_unreadable(const Path& path, OIIO::ImageInput& input, std::optional<int> row) {
+  const std::string where = row ? fmt::format(" after row {} of {}", *row, input.spec().height) : "";
+  throw Error(fmt::format("{}: cannot be read{}: {}; is it damaged?", path.string(), where,
+                          oiio_message(input.geterror(), path)));
 }
 
-std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path) {
-  /// A JPEG is read from the bytes that were vetted; they live as long as the input.
+OpenedPicture open_picture_for_rows(const Path& path) {
+  /// The file that a JPEG is read from lives as long as the input.
   struct Opened {
-    std::string jpeg;
-    std::unique_ptr<OIIO::Filesystem::IOMemReader> reader;
+    std::unique_ptr<OIIO::Filesystem::IOProxy> file;
     std::unique_ptr<OIIO::ImageInput> input;
   };
   check_file(path);
   share_threads();
   const auto opened = std::make_shared<Opened>();
-  opened->jpeg = vetted_jpeg(path);
-  if (!opened->jpeg.empty()) {
-    opened->reader = std::make_unique<OIIO::Filesystem::IOMemReader>(opened->jpeg.data(), opened->jpeg.size());
-  }
+  const std::optional<JpegLayout> jpeg = vet_jpeg(path);
+  if (jpeg) opened->file = jpeg_without_profiles(path, jpeg->profiles);
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   {
     // One header at a time: reading camera headers side by side, OpenImageIO 2.4 crashed once in twenty brackets.
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
-    opened->input = OIIO::ImageInput::open(path.string(), &config, opened->reader.get());
+    opened->input = OIIO::ImageInput::open(path.string(), &config, opened->file.get());
   }
   if (!opened->input) {
     throw Error(fmt::format("{}: not a picture that can be read: {}; is it a photograph or a map?", path.string(),
                             oiio_message(OIIO::geterror(), path)));
   }
   check_size(path, opened->input->spec());
-  return {opened, opened->input.get()};
+  return {{opened, opened->input.get()}, jpeg ? jpeg->scans == 1 : decodes_in_one_pass(*opened->input, path)};
+}
+
+std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path) {
+  return open_picture_for_rows(path).input;
 }
 
 Image<float> read_floats(OIIO::ImageInput& input, const Path& path) {

@@ -3,6 +3,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "libhdr/core/image.h"
@@ -14,11 +15,19 @@ namespace hdr::internal {
 /// promises more pixels than such a file can hold. Samples come as stored: alpha is not multiplied in.
 std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path);
 
+/// The same; and whether scanlines are decoded as they are asked for, with memory for a few of them: not so in tiled
+/// and interlaced files, in progressive JPEGs, and in formats that OpenImageIO decodes whole.
+struct OpenedPicture {
+  std::shared_ptr<OIIO::ImageInput> input;
+  bool in_one_pass = false;
+};
+OpenedPicture open_picture_for_rows(const Path& path);
+
 /// What OpenImageIO says went wrong, its first line, without the file's name in front.
 std::string oiio_message(const std::string& raw, const Path& path);
 
-/// "FILE: cannot be read: MESSAGE; is it damaged?"
-[[noreturn]] void throw_unreadable(const Path& path, OIIO::ImageInput& input);
+/// "FILE: cannot be read: MESSAGE; is it damaged?", or with a row "FILE: cannot be read after row 12 of 480: ..."
+[[noreturn]] void throw_unreadable(const Path& path, OIIO::ImageInput& input, std::optional<int> row = std::nullopt);
 
 /// Decodes all channels as float (integer samples as fractions of the full scale) straight into our rows. Throws Error.
 Image<float> read_floats(OIIO::ImageInput& input, const Path& path);

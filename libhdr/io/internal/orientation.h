@@ -6,17 +6,49 @@
 
 namespace hdr::internal {
 
-/// Turns a picture upright from its EXIF orientation (TIFF 6.0: where row 0 and column 0 of the file lie):
+/// EXIF orientation (TIFF 6.0: where row 0 and column 0 of the file lie):
 ///   1 as is   2 mirrored   3 half turn   4 upside down   5 transposed   6 turn clockwise   7 transverse   8 turn back
+/// The upright picture's rows are the stored one's columns when it lies on its side; and moving right and down in the
+/// upright picture moves away from these borders of the stored one.
+struct Orientation {
+  explicit Orientation(int exif)
+      : on_its_side(exif >= 5 && exif <= 8),
+        from_right(exif == 2 || exif == 3 || exif == 7 || exif == 8),
+        from_bottom(exif == 3 || exif == 4 || exif == 6 || exif == 7) {}
+  bool on_its_side, from_right, from_bottom;
+  bool as_is() const { return !on_its_side && !from_right && !from_bottom; }
+  Size upright(Size stored) const { return on_its_side ? Size{stored.height, stored.width} : stored; }
+};
+
+/// Puts stored rows first, first + 1 ... of a picture of size `stored` where they belong in the upright one.
 template <class T>
-Image<T> upright(Image<T> stored, int orientation) {
-  if (orientation <= 1 || orientation > 8) return stored;
-  const bool on_its_side = orientation >= 5;
+void place_upright(View<const T> rows, int first, Size stored, const Orientation& orientation, View<T> upright) {
+  const int channels = rows.channels();
+  const auto place = [&](int column, int row) {
+    const int along = orientation.from_right ? stored.width - 1 - column : column;
+    const int down = orientation.from_bottom ? stored.height - 1 - (first + row) : first + row;
+    const int x = orientation.on_its_side ? down : along, y = orientation.on_its_side ? along : down;
+    std::copy_n(rows.pixel(column, row), channels, upright.pixel(x, y));
+  };
+  if (orientation.on_its_side) {  // columns of these rows are runs of the upright rows
+    for (int column = 0; column < stored.width; ++column) {
+      for (int row = 0; row < rows.height(); ++row) place(column, row);
+    }
+    return;
+  }
+  for (int row = 0; row < rows.height(); ++row) {
+    for (int column = 0; column < stored.width; ++column) place(column, row);
+  }
+}
+
+template <class T>
+Image<T> upright(Image<T> stored, int exif_orientation) {
+  const Orientation orientation(exif_orientation);
+  if (orientation.as_is()) return stored;
+  const bool on_its_side = orientation.on_its_side, from_right = orientation.from_right;
+  const bool from_bottom = orientation.from_bottom;
   const int w = stored.width(), h = stored.height(), channels = stored.channels();
-  // In the upright picture, moving right and down moves so in the stored one:
-  const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
-  const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
-  Image<T> turned(on_its_side ? h : w, on_its_side ? w : h, channels);
+  Image<T> turned(orientation.upright(stored.size()), channels);
   // A turned picture is read along its columns: strips of 32 rows keep both sides in the cache.
   for_rows(turned.height(), 32, [&](int first, int last) {
     for (int x = 0; x < turned.width(); ++x) {
