@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "libhdr/align/internal/pair.h"
 #include "libhdr/align/internal/still.h"
+#include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 
 namespace hdr {
 namespace {
@@ -19,8 +23,11 @@ constexpr double kFinestPixels = 1.2e6;  // pixels of the finest level: more wou
 constexpr int kCoarsestSide = 40;
 
 std::vector<double> usable_shares(const Bracket& bracket) {
-  std::vector<double> shares;
-  for (const Photo& photo : bracket.shots) shares.push_back(internal::usable_share(photo));
+  std::vector<double> shares(bracket.shots.size());
+  for_rows(static_cast<int>(shares.size()), 1, [&](int first, int) {
+    const auto k = static_cast<std::size_t>(first);
+    shares[k] = internal::usable_share(bracket.shots[k]);
+  });
   return shares;
 }
 
@@ -60,13 +67,35 @@ std::vector<LogPicture> pyramid_of(const Photo& photo, const internal::Linearize
 
 /// What one shot of a pair is remembered by while its neighbours are visited.
 struct Prepared {
-  const Photo* photo = nullptr;
+  std::optional<LoadedShot> shot;  ///< for median threshold bitmaps alone
   LogPicture thumbnail;
   std::vector<LogPicture> pyramid;
 };
 
+Prepared prepare(const Photo& photo, const internal::Linearizer& linearizer, AlignMethod method) {
+  LoadedShot shot(photo);
+  if (method == AlignMethod::kMtb) return {std::move(shot), {}, {}};
+  return {std::nullopt, internal::thumbnail(*shot, linearizer), pyramid_of(*shot, linearizer)};
+}
+
+/// make(shot) for each of `used`, up to `ahead` of them side by side, since a shot may have to be decoded for it; and
+/// visit(made) one by one in their order, until it returns false.
+template <class Make, class Visit>
+void visit_in_order(const std::vector<int>& used, std::size_t ahead, const Make& make, const Visit& visit) {
+  for (std::size_t begin = 0; begin < used.size(); begin += ahead) {
+    std::vector<std::invoke_result_t<Make, int>> made(std::min(ahead, used.size() - begin));
+    for_rows(static_cast<int>(made.size()), 1, [&](int first, int) {
+      const auto i = static_cast<std::size_t>(first);
+      made[i] = make(used[begin + i]);
+    });
+    for (auto& each : made) {
+      if (!visit(std::move(each))) return;
+    }
+  }
+}
+
 PairMotion measure(const Prepared& a, const Prepared& b, AlignMethod method) {
-  if (method == AlignMethod::kMtb) return internal::mtb_shift(*a.photo, *b.photo);
+  if (method == AlignMethod::kMtb) return internal::mtb_shift(**a.shot, **b.shot);
   if (method == AlignMethod::kFeatures) return internal::feature_shift(a.pyramid.front(), b.pyramid.front());
   // Where the thumbnails correlate; or else where they were.
   constexpr std::size_t kMostStarts = 5;
@@ -86,17 +115,13 @@ PairMotion measure(const Prepared& a, const Prepared& b, AlignMethod method) {
 std::vector<PairMotion> measure_pairs(const Bracket& bracket, const std::vector<int>& used,
                                       const internal::Linearizer& linearizer, AlignMethod method) {
   std::vector<PairMotion> motions;
-  Prepared previous;
-  for (const int k : used) {
-    Prepared next;
-    next.photo = &bracket.shots[static_cast<std::size_t>(k)];
-    if (method != AlignMethod::kMtb) {
-      next.thumbnail = internal::thumbnail(*next.photo, linearizer);
-      next.pyramid = pyramid_of(*next.photo, linearizer);
-    }
-    if (previous.photo) motions.push_back(measure(previous, next, method));
+  std::optional<Prepared> previous;
+  const auto make = [&](int k) { return prepare(bracket.shots[static_cast<std::size_t>(k)], linearizer, method); };
+  visit_in_order(used, method == AlignMethod::kMtb ? 1 : 2, make, [&](Prepared next) {
+    if (previous) motions.push_back(measure(*previous, next, method));
     previous = std::move(next);
-  }
+    return true;
+  });
   return motions;
 }
 
@@ -105,16 +130,18 @@ std::optional<std::vector<PairMotion>> still_pairs(const Bracket& bracket, const
                                                    const internal::Linearizer& linearizer) {
   std::vector<PairMotion> motions;
   std::optional<internal::StillProbe> previous;
-  for (const int k : used) {
-    internal::StillProbe next = internal::still_probe(bracket.shots[static_cast<std::size_t>(k)], linearizer);
-    if (previous) {
-      const std::optional<PairMotion> motion = internal::still_motion(*previous, next);
-      if (!motion) return std::nullopt;
-      motions.push_back(*motion);
-    }
+  const auto make = [&](int k) {
+    return internal::still_probe(*LoadedShot(bracket.shots[static_cast<std::size_t>(k)]), linearizer);
+  };
+  bool moved = false;
+  visit_in_order(used, 2, make, [&](internal::StillProbe next) {
+    const std::optional<PairMotion> motion = previous ? internal::still_motion(*previous, next) : std::nullopt;
+    moved = previous && !motion;
+    if (motion) motions.push_back(*motion);
     previous = std::move(next);
-  }
-  return motions;
+    return !moved;
+  });
+  return moved ? std::nullopt : std::optional(std::move(motions));
 }
 
 /// A shot's place on the reference, before decisions.

@@ -5,6 +5,7 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/response/noise.h"
 
 namespace hdr::internal {
@@ -47,17 +48,15 @@ double usable_share(const Photo& photo) {
   const int step = std::max(1, static_cast<int>(std::sqrt(pixels / 100000)));
   const double first = kDarkestCode * photo.max_code(), last = kBrightestCode * photo.max_code();
   double usable = 0, counted = 0;
-  std::visit(
-      [&](const auto& codes) {
-        for (int y = step / 2; y < photo.height(); y += step) {
-          for (int x = step / 2; x < photo.width(); x += step) {
-            const auto* p = codes.pixel(x, y);
-            usable += std::min({p[0], p[1], p[2]}) >= first && std::max({p[0], p[1], p[2]}) <= last;
-            ++counted;
-          }
-        }
-      },
-      photo.codes);
+  const auto add_row = [&](const auto& row) {
+    for (int x = step / 2; x < row.width(); x += step) {
+      const auto* p = row.pixel(x, 0);
+      usable += std::min({p[0], p[1], p[2]}) >= first && std::max({p[0], p[1], p[2]}) <= last;
+      ++counted;
+    }
+  };
+  const auto rows = rows_of(photo);
+  for (int y = step / 2; y < photo.height(); y += step) std::visit(add_row, rows->rows(y, y + 1));
   return counted > 0 ? usable / counted : 0;
 }
 

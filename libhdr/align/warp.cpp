@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 
 namespace hdr {
 namespace {
@@ -47,7 +48,7 @@ Photo warp(const Photo& photo, const Mat3& ref_from_photo, const Response& respo
   std::array<std::vector<float>, 3> exposure;
   for (int c = 0; c < 3; ++c) exposure[static_cast<std::size_t>(c)] = response.exposure_table(c);
   const Mat3 photo_from_ref = ref_from_photo.inverse();
-  Photo out{photo.path, photo.exposure, photo.bits, photo.lossy, {}};
+  Photo out{photo.path, photo.exposure, photo.bits, photo.lossy, {}, {}};
   std::visit(
       [&](const auto& codes) {
         if (ref_from_photo.isIdentity(0)) {
@@ -56,7 +57,7 @@ Photo warp(const Photo& photo, const Mat3& ref_from_photo, const Response& respo
           out.codes = warp_codes(codes, photo_from_ref, exposure);
         }
       },
-      photo.codes);
+      LoadedShot(photo)->codes);
   return out;
 }
 

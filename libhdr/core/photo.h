@@ -34,7 +34,7 @@ struct Photo {
   int bits = 8;        ///< codes run from 0 to 2^bits - 1; up to 8 bits they are stored in bytes
   bool lossy = false;  ///< JPEG and its kin: codes near the ends are smeared by chroma subsampling and ringing
   Codes codes;         ///< RGB interleaved, upright; a grey photograph has three equal channels; or empty
-  PhotoSource source;
+  PhotoSource source{};
 
   int max_code() const { return (1 << bits) - 1; }
   bool in_memory() const {

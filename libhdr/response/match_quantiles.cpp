@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/response/internal/observations.h"
 
 namespace hdr {
@@ -66,10 +67,8 @@ class Distribution {
   std::vector<double> below_;
 };
 
-Eigen::MatrixXd matched_codes(const Bracket& bracket, int channel) {
+Eigen::MatrixXd matched_codes(const Bracket& bracket, const std::vector<Distribution>& distributions) {
   const auto shots = static_cast<Eigen::Index>(bracket.shots.size());
-  std::vector<Distribution> distributions;
-  for (const Photo& photo : bracket.shots) distributions.emplace_back(photo, channel);
   // A rank for each second usable code of each shot: they are spread over the codes of the whole bracket.
   std::vector<double> ranks;
   for (Eigen::Index j = 0; j < shots; ++j) {
@@ -98,9 +97,13 @@ Observations match_quantiles(const Bracket& bracket) {
   for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
     observations.ln_exposure[static_cast<Eigen::Index>(j)] = std::log(bracket.shots[j].relative_exposure());
   }
-  for (int c = 0; c < 3; ++c) {
-    observations.codes[static_cast<std::size_t>(c)] =
-        rows_seen_twice(matched_codes(bracket, c), observations.ln_exposure);
+  std::array<std::vector<Distribution>, 3> distributions;
+  for (const Photo& photo : bracket.shots) {
+    const LoadedShot shot(photo);
+    for (int c = 0; c < 3; ++c) distributions[static_cast<std::size_t>(c)].emplace_back(*shot, c);
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    observations.codes[c] = rows_seen_twice(matched_codes(bracket, distributions[c]), observations.ln_exposure);
   }
   return observations;
 }

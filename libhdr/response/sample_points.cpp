@@ -5,6 +5,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/core/random.h"
 #include "libhdr/response/internal/observations.h"
 
@@ -73,6 +74,7 @@ std::vector<WindowCodes> read_windows(const Bracket& bracket, const std::vector<
     for (auto j = static_cast<std::size_t>(first); j < static_cast<std::size_t>(last); ++j) {
       const Mat3 photo_from_ref = ref_from_photo.empty() ? Mat3::Identity().eval() : ref_from_photo[j].inverse().eval();
       const Size size = bracket.size();
+      const LoadedShot shot(bracket.shots[j]);
       for (std::size_t i = 0; i < grid.size(); ++i) {
         const Vec2 p = (photo_from_ref * Vec3(grid[i].x, grid[i].y, 1)).hnormalized();
         if (!(p.x() > -0.5 && p.y() > -0.5 && p.x() < size.width - 0.5 && p.y() < size.height - 0.5)) continue;
@@ -82,7 +84,7 @@ std::vector<WindowCodes> read_windows(const Bracket& bracket, const std::vector<
               read_window(image, static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())), radius,
                           window);
             },
-            bracket.shots[j].codes);
+            shot->codes);
         std::copy(window, window + 3, windows.begin() + static_cast<std::ptrdiff_t>((i * shots + j) * 3));
       }
     }
