@@ -6,6 +6,7 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
+#include "libhdr/core/rows.h"
 
 namespace hdr::internal {
 
@@ -57,7 +58,7 @@ std::array<std::vector<int>, 3> codes_at_places(const Bracket& bracket, const st
             }
           }
         },
-        bracket.shots[j].codes);
+        LoadedShot(bracket.shots[j])->codes);
   });
   return codes;
 }
