@@ -9,6 +9,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
+#include "libhdr/response/internal/normal_equations.h"
 #include "libhdr/response/internal/observations.h"
 #include "libhdr/response/internal/refine_times.h"
 #include "libhdr/response/internal/smoothness.h"
@@ -247,9 +248,9 @@ void warn_of_uniform_steps(const Observations& seen, std::vector<std::string>& w
 /// little stiff.
 Eigen::VectorXd total_deviation(const Knots& knots, const Observations& seen, std::size_t c,
                                 const SmoothnessChoice& choice, const CurveFit& fit) {
-  const Eigen::VectorXd random = curve_deviation(knots, seen.codes[c], choice.smoothness, fit.rms);
-  const CurveFit looser = fit_curve(knots, seen.codes[c], seen.ln_exposure, 0.1 * choice.smoothness);
-  const Eigen::VectorXd systematic = (looser.g - fit.g).cwiseAbs();
+  const NormalEquations equations_for_g(knots, seen.codes[c], seen.ln_exposure);
+  const Eigen::VectorXd random = equations_for_g.deviation(choice.smoothness, fit.rms);
+  const Eigen::VectorXd systematic = (equations_for_g.solve(0.1 * choice.smoothness) - fit.g).cwiseAbs();
   // Where two curves cross, their distance says nothing: the largest among neighbours does.
   Eigen::VectorXd total(knots.count());
   const int reach = knots.count() / 32;

@@ -7,6 +7,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
+#include "libhdr/response/internal/normal_equations.h"
 
 namespace hdr {
 namespace {
@@ -30,35 +31,37 @@ struct Score {
   double standard_error() const { return std::sqrt(std::max(0.0, squares / count - mean() * mean()) / count); }
 };
 
-Score held_out_score(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                     double smoothness) {
+/// The scores of one channel with one shoulder, for each smoothness of the grid.
+std::array<Score, kGridSize> held_out_scores(const Knots& knots, const Eigen::MatrixXd& codes,
+                                             const Eigen::VectorXd& ln_exposure) {
   std::vector<Eigen::Index> kept, held_out;
   for (Eigen::Index i = 0; i < codes.rows(); ++i) (i % kFolds == kFolds - 1 ? held_out : kept).push_back(i);
-  Score score;
-  if (kept.empty() || held_out.empty()) return score;
-  const CurveFit fit = fit_curve(knots, codes(kept, Eigen::all), ln_exposure, smoothness);
-  const Eigen::MatrixXd residuals = weighted_residuals(knots, fit.g, codes(held_out, Eigen::all), ln_exposure);
-  for (const double r : residuals.reshaped()) {
-    if (std::isnan(r)) continue;
-    score.add({1, r * r, r * r * r * r});
+  std::array<Score, kGridSize> scores;
+  if (kept.empty() || held_out.empty()) return scores;
+  const NormalEquations equations(knots, codes(kept, Eigen::all), ln_exposure);
+  const Eigen::MatrixXd judged = codes(held_out, Eigen::all);
+  for (std::size_t k = 0; k < scores.size(); ++k) {
+    const Eigen::MatrixXd residuals = weighted_residuals(knots, equations.solve(kGrid[k]), judged, ln_exposure);
+    for (const double r : residuals.reshaped()) {
+      if (!std::isnan(r)) scores[k].add({1, r * r, r * r * r * r});
+    }
   }
-  return score;
+  return scores;
 }
 
 /// scores[shoulder * kGridSize + k], all channels together.
 std::vector<Score> cross_validate(int bits, const std::array<Eigen::MatrixXd, 3>& codes,
                                   const Eigen::VectorXd& ln_exposure) {
-  std::vector<Knots> knots;
-  for (const double shoulder : kShoulders) knots.emplace_back(bits, shoulder);
-  std::vector<Score> parts(3 * kGridSize * kShoulderCount);
-  for_rows(static_cast<int>(parts.size()), 1, [&](int first, int) {
-    const int channel = first % 3, setting = first / 3;
-    parts[static_cast<std::size_t>(first)] =
-        held_out_score(knots[static_cast<std::size_t>(setting / kGridSize)], codes[static_cast<std::size_t>(channel)],
-                       ln_exposure, kGrid[setting % kGridSize]);
+  std::array<std::array<Score, kGridSize>, 3 * kShoulderCount> parts;
+  for_rows(3 * kShoulderCount, 1, [&](int part, int) {
+    const Knots knots(bits, kShoulders[part / 3]);
+    parts[static_cast<std::size_t>(part)] =
+        held_out_scores(knots, codes[static_cast<std::size_t>(part % 3)], ln_exposure);
   });
-  std::vector<Score> scores(parts.size() / 3);
-  for (std::size_t k = 0; k < parts.size(); ++k) scores[k / 3].add(parts[k]);
+  std::vector<Score> scores(kGridSize * kShoulderCount);
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    for (std::size_t k = 0; k < kGridSize; ++k) scores[part / 3 * kGridSize + k].add(parts[part][k]);
+  }
   return scores;
 }
 

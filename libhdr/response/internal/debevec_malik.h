@@ -21,11 +21,6 @@ struct CurveFit {
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
                    double smoothness, std::optional<double> outlier_scale = {});
 
-/// Standard deviation of g at each knot (0 at the middle one): the inverse of the fit's normal matrix, in which the
-/// ln E_i are eliminated, times `rms`. With the smoothness as the prior that it is, codes that no two shots share have
-/// large ones.
-Eigen::VectorXd curve_deviation(const Knots& knots, const Eigen::MatrixXd& codes, double smoothness, double rms);
-
 /// w(Z): the hat of [Debevec97] eq. 4, 1 in the middle; a little is left at the ends for the smoothness term.
 double hat_weight(double code, double max_code);
 

@@ -21,9 +21,10 @@ struct RefinedTimes {
 };
 
 /// Minimises [Debevec97] eq. 3 over g of all channels, ln E and d_j, where ln H_j + d_j takes the place of ln H_j. What
-/// the data cannot tell is fixed: the mean of d_j (a common factor) and its slope against ln H_j (g and d may share any:
-/// g = 0 with d = -ln H would fit perfectly), both weighted by the points of each shot, are zero. Each d_j stays within
-/// a quarter of a stop, and costs what an error of a shutter of 3 % is worth. `noise` is the rms of the residuals that noise alone explains.
+/// the data cannot tell is fixed: the mean of d_j (a common factor) and its slope against ln H_j (g and d may share
+/// any: g = 0 with d = -ln H would fit perfectly), both weighted by the points of each shot, are zero. Each d_j stays
+/// within a quarter of a stop, and costs what an error of a shutter of 3 % is worth. `noise` is the rms of the
+/// residuals that noise alone explains.
 RefinedTimes refine_times(const Knots& knots, const Observations& seen, double smoothness, double noise);
 
 }  // namespace hdr
