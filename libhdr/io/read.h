@@ -1,7 +1,6 @@
 #pragma once
 // Files in. A photograph is read as codes, a map as linear light; the caller says which he wants.
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +52,7 @@ struct FileInfo {
   std::string format, type, compression, projection;
   int width = 0, height = 0, channels = 0;
   Exposure exposure;
+  std::optional<double> white_luminance;  ///< cd/m^2 of (1,1,1)
   double min = 0, max = 0, mean = 0, stops = 0;
   std::int64_t nan = 0, inf = 0, negative = 0;
 };

@@ -81,6 +81,7 @@ FileInfo read_info(const Path& path) try {
   info.width = internal::upright_size(spec).width;
   info.height = internal::upright_size(spec).height;
   info.channels = spec.nchannels;
+  if (const float white = spec.get_float_attribute("whiteLuminance", 0); white > 0) info.white_luminance = white;
   info.exposure = internal::exposure_from_exif(*input, path);
   if (s.finite > 0) {
     info.min = s.min;

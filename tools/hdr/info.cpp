@@ -25,6 +25,7 @@ Json row_of(const FileInfo& info) {
            {{"seconds", optional_number(info.exposure.seconds)},
             {"f_number", optional_number(info.exposure.f_number)},
             {"iso", optional_number(info.exposure.iso)}}},
+          {"white_luminance", optional_number(info.white_luminance)},
           {"min", info.min},
           {"max", info.max},
           {"mean", info.mean},
@@ -49,6 +50,7 @@ std::string line_of(const FileInfo& info) {
   if (info.nan + info.inf + info.negative > 0) {
     line += fmt::format(", {} NaN, {} infinite, {} negative", info.nan, info.inf, info.negative);
   }
+  if (info.white_luminance) line += fmt::format(", white {:.4g} cd/m^2", *info.white_luminance);
   if (!info.projection.empty()) line += ", " + info.projection;
   return line;
 }

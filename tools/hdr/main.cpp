@@ -75,7 +75,8 @@ std::string pixel_options(const CLI::App& app) {
   static constexpr std::string_view kNotPixels[] = {"--threads", "--json",     "--quiet",         "--version",
                                                     "--help",    "--save-map", "--save-response", "--irradiance-map",
                                                     "-o",        "shots"};
-  static constexpr std::string_view kPaths[] = {"--exposures", "--response", "--probe", "--scene"};
+  static constexpr std::string_view kPaths[] = {"--exposures", "--response", "--probe",
+                                                "--scene",     "--flat",     "--scale-like"};
   std::set<std::string> seen;
   std::string text;
   for (const CLI::Option* option : app.parse_order()) {

@@ -103,13 +103,67 @@ void MergeFlags::declare(CLI::App& app) {
   app.add_option("--weight", weight, "how shots are weighted; auto looks at the file type")
       ->check(CLI::IsMember({"auto", "hat", "variance"}))
       ->capture_default_str();
+  app.add_flag("--uncertainty", uncertainty, "also write each pixel's standard deviation, as layer stddev (EXR)");
+  app.add_option("--black-level", black_level, "the code that means no light (default: the response's own)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--flat", flat, "a uniform scene as this camera saw it, a radiance map or a photograph; divided out");
 }
 
 MergeOptions MergeFlags::options() const {
   MergeOptions options;
   if (weight == "hat") options.weight = WeightKind::kHat;
   if (weight == "variance") options.weight = WeightKind::kVariance;
+  options.uncertainty = uncertainty;
+  options.black_level = black_level;
   return options;
+}
+
+void ScaleFlags::declare(CLI::App& app) {
+  app.add_option("--cd-per-unit", cd_per_unit, "cd/m^2 of radiance 1, written as whiteLuminance (default: from EXIF)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--patch", patch,
+                 "CX,CY,R=CD: the disc of the merged map (pixels, y down) has a mean luminance of CD cd/m^2; or "
+                 "CX,CY,R=18%: it is matte, has that reflectance, and --lux says what falls on it");
+  app.add_option("--lux", lux,
+                 "what a lux meter read: on a horizontal surface facing up, under the finished probe (hdr probe); or, "
+                 "with --patch CX,CY,R=18%, on that patch (a grey card)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--scale-like", scale_like,
+                 "an EXR that hdr merged: the new map has its unit, so that the two compare directly, and its "
+                 "whiteLuminance unless another option gives one");
+}
+
+void ScaleFlags::check() const {
+  const bool has_patch = !patch.empty();
+  if (cd_per_unit && (has_patch || lux)) {
+    throw CLI::ValidationError("--cd-per-unit", "says what --patch and --lux measure; give one of them");
+  }
+  const bool grey_card = has_patch && patch_from_text(patch).reflectance;
+  if (grey_card && !lux) throw CLI::ValidationError("--patch", "a reflectance needs --lux, the light that falls on it");
+  if (has_patch && !grey_card && lux) {
+    throw CLI::ValidationError("--lux", "the patch's luminance is given already; give its reflectance (=18%) instead");
+  }
+  if (lux && !has_patch && !makes_probe) {
+    throw CLI::ValidationError("--lux",
+                               "a plain map shows no sphere to integrate; add --patch CX,CY,R=18% (a grey "
+                               "card), or use hdr probe");
+  }
+}
+
+Patch patch_from_text(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) throw Error(fmt::format("--patch: '{}' is not CX,CY,R=CD or CX,CY,R=18%", text));
+  const Vec3 disc = vec3_from_text(text.substr(0, equals), "--patch");
+  Patch patch{disc.x(), disc.y(), disc.z(), {}, {}};
+  std::string value = text.substr(equals + 1);
+  const bool percent = value.ends_with('%');
+  if (percent) value.pop_back();
+  const double number = number_from_text(value, "--patch");
+  if (!(patch.r > 0)) throw Error("--patch: the radius must be positive; give CX,CY,R in pixels");
+  if (!(number > 0 && std::isfinite(number))) throw Error("--patch: give a positive luminance or reflectance");
+  if (percent && number > 100) throw Error("--patch: a matte patch reflects 100 % at most");
+  (percent ? patch.reflectance : patch.luminance) = percent ? number / 100 : number;
+  return patch;
 }
 
 AlignMethod align_method(const std::string& name) {

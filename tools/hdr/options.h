@@ -43,10 +43,33 @@ struct CalibrateFlags {
 struct MergeFlags {
   std::string response = "fit";
   std::string weight = "auto";
+  std::string flat;
+  std::optional<double> black_level;
+  bool uncertainty = false;
 
   void declare(CLI::App& app);
+  /// All but the flat field and the unit, which need files: pipeline.cpp adds them.
   MergeOptions options() const;
 };
+
+/// What turns relative radiance into cd/m^2, and several maps to one unit (tools/hdr/scale_step.h).
+struct ScaleFlags {
+  std::optional<double> cd_per_unit, lux;
+  std::string patch, scale_like;
+  bool makes_probe = false;  ///< --lux alone then means a surface under the finished probe
+
+  void declare(CLI::App& app);
+  /// Throws CLI::ValidationError when two of them contradict each other.
+  void check() const;
+};
+
+/// "CX,CY,R=CD" or, with a reflectance, "CX,CY,R=18%". Throws Error.
+struct Patch {
+  double cx = 0, cy = 0, r = 0;       ///< a disc, continuous pixel coordinates of the map
+  std::optional<double> luminance;    ///< cd/m^2
+  std::optional<double> reflectance;  ///< 0..1
+};
+Patch patch_from_text(const std::string& text);
 
 /// --align for verbs that merge, --method for `align` itself.
 AlignMethod align_method(const std::string& name);

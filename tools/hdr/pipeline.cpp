@@ -5,6 +5,8 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/version.h"
 #include "libhdr/io/output_file.h"
+#include "tools/hdr/flat_field.h"
+#include "tools/hdr/scale_step.h"
 
 namespace hdr::tools {
 namespace {
@@ -26,6 +28,7 @@ Json flat(const Mat3& m) {
 void MergePipelineOptions::declare(CLI::App& app) {
   shots.declare(app);
   merge.declare(app);
+  scale.declare(app);
   calibrate.declare(app);
   app.add_option("--align", align, "auto, none, mtb, ecc or features")->capture_default_str();
 }
@@ -79,7 +82,10 @@ Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& a
 
 MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
   const AlignMethod method = align_method(options.align);
+  options.scale.check();
+  const MapScale like = scale_like(options.scale);
   Bracket bracket = read_shots(run, options.shots);
+  require_same_terms(options.scale, like, bracket);
   const std::optional<Response> known = known_response(options.merge.response, bracket.bits());
   Alignment alignment = align_shots(run, bracket, known, method);
   Response response;
@@ -95,11 +101,16 @@ MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
     for (std::size_t k = 0; k < bracket.shots.size(); ++k) bracket.shots[k].exposure.seconds = calibration.seconds[k];
     response = std::move(calibration.response);
   }
-  Merged merged = run.stage("merge", [&] { return merge(bracket, alignment, response, options.merge.options()); });
+  MergeOptions merge_options = options.merge.options();
+  merge_options.exposure_unit = like.exposure_unit;
+  const Image<float> flat = read_flat_field(run, options.merge.flat, response, bracket.size());
+  merge_options.flat = flat;
+  Merged merged = run.stage("merge", [&] { return merge(bracket, alignment, response, merge_options); });
   for (std::size_t k = 0; k < merged.frames.size(); ++k) {
     if (merged.frames[k].used) continue;
     run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
   }
+  merged.map.white_luminance = white_luminance_of(run, options.scale, like, bracket, merged);
   return {std::move(bracket), std::move(response), rms_log_error, std::move(alignment), std::move(merged)};
 }
 
@@ -121,6 +132,7 @@ Provenance provenance_of(const Run& run, const MergeResult& result) {
   }
   provenance.add("input", inputs);
   provenance.add("exposures", exposures);
+  provenance.add("exposure_terms", text_from_terms(exposure_terms(bracket)));
   provenance.add("exposure_unit", fmt::format("{}", result.merged.exposure_unit));
   return provenance;
 }
@@ -170,6 +182,7 @@ void answer_merge(Run& run, const MergeResult& result) {
   run.answer["dark"] = result.merged.dark;
   run.answer["stops"] = result.merged.stops;
   run.answer["exposure_unit"] = result.merged.exposure_unit;
+  answer_white_luminance(run, result.merged.map.white_luminance);
   run.answer["reference"] = bracket.shots[static_cast<std::size_t>(result.alignment.reference)].path.string();
   Json frames = Json::array();
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {

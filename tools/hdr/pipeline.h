@@ -16,6 +16,7 @@ struct MergePipelineOptions {
   ShotsOptions shots;
   CalibrateFlags calibrate;
   MergeFlags merge;
+  ScaleFlags scale;
   std::string align = "auto";
 
   void declare(CLI::App& app);

@@ -1,6 +1,7 @@
 // The main job in one line: bracketed photographs of a mirror ball -> a light probe.
 #include "libhdr/io/output_file.h"
 #include "tools/hdr/pipeline.h"
+#include "tools/hdr/scale_step.h"
 #include "tools/hdr/unwrap_step.h"
 
 namespace hdr::tools {
@@ -14,6 +15,7 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
   };
   auto options = std::make_shared<Options>();
   options->pipeline.declare(app);
+  options->pipeline.scale.makes_probe = true;
   app.add_option("-o,--output", options->output, "the light probe (.exr, .hdr, .tif)")->required();
   app.add_option("--save-response", options->response_output, "also write the response that was used");
   app.add_option("--save-map", options->map_output, "also write the merged radiance map");
@@ -23,7 +25,8 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
     MergeResult result = merge_shots(run, options->pipeline);
     answer_merge(run, result);
     const std::string reference = run.answer["reference"];
-    const RadianceMap probe = unwrap_picture(run, result.merged.map, options->unwrap, MirrorBall::kName, reference);
+    RadianceMap probe = unwrap_picture(run, result.merged.map, options->unwrap, MirrorBall::kName, reference);
+    scale_by_lux(run, options->pipeline.scale, probe, result.merged.map);
     const Provenance provenance = provenance_of(run, result);
     run.stage("write", [&] {
       write_map(options->output, probe, provenance, options->write.options());
