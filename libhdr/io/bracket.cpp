@@ -12,6 +12,7 @@
 #include "libhdr/io/internal/bracket_checks.h"
 #include "libhdr/io/internal/exif.h"
 #include "libhdr/io/internal/photo_file.h"
+#include "libhdr/io/internal/scene_check.h"
 #include "libhdr/io/output_file.h"
 
 namespace hdr {
@@ -193,6 +194,10 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   if (!options.allow_equal_exposures) internal::require_different_exposures(bracket.shots);
   sort_by_exposure(bracket, brightness);
   internal::refuse_contradicted_times(bracket.shots, brightness);
+  internal::refuse_strangers(bracket.shots, in_parallel<internal::SceneThumbnail>(paths.size(), [&](std::size_t i) {
+                               const Photo& shot = bracket.shots[i];
+                               return internal::scene_thumbnail(*rows_of(shot), shot.max_code());
+                             }));
   return bracket;
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+// Do the shots of a bracket show one scene? Without a response: whatever the curve and the exposures, a channel's codes
+// rise with one another wherever neither shot is black or clipped, so ranks of registered pixels agree [Spearman04].
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "libhdr/core/photo.h"
+#include "libhdr/core/rows.h"
+
+namespace hdr::internal {
+
+/// A small picture of the green codes, at most 64 cells on its longer side.
+struct SceneThumbnail {
+  Size size;
+  std::vector<float> code;  ///< mean of a cell, of 255; below 0 where a sample of it is close to black or clipped
+  std::vector<float> rank;  ///< of the usable cells among themselves, -1 .. 1
+};
+
+SceneThumbnail scene_thumbnail(PhotoRows& rows, int max_code);
+
+/// How two thumbnails of one size agree under the best of the shifts that a hand makes.
+struct SceneAgreement {
+  int cells = 0;           ///< usable in both
+  double correlation = 0;  ///< of ranks
+  double residual = 0;     ///< median distance from one rising curve, codes of 255
+};
+SceneAgreement scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b);
+
+/// `shots` rise in exposure; thumbnails[i] belongs to shots[i]. Throws Error that names a shot of another scene. Things
+/// that move, hands that shake and flat scenes pass: only a shot that contradicts each of its neighbours that show
+/// what most shots show is refused.
+void refuse_strangers(const std::vector<Photo>& shots, std::span<const SceneThumbnail> thumbnails);
+
+}  // namespace hdr::internal
