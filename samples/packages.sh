@@ -9,6 +9,9 @@ HDR_BUILD_PACKAGES=(build-essential cmake ninja-build pkg-config ccache
 # What its tests need besides.
 HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)
 
+# What the programs of tests/bench measure against; without it they run, and say that the rival is not there.
+HDR_BENCH_PACKAGES=(libopencv-photo-dev)
+
 # Runs as root: directly, or through sudo.
 as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi

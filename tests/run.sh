@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source samples/packages.sh
-install_packages "${HDR_BUILD_PACKAGES[@]}" "${HDR_TEST_PACKAGES[@]}"
+install_packages "${HDR_BUILD_PACKAGES[@]}" "${HDR_TEST_PACKAGES[@]}" "${HDR_BENCH_PACKAGES[@]}"
 
 cmake --preset ci -DHDR_BUILD_TESTS=ON >/dev/null
 cmake --build build/release
