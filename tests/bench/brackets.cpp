@@ -79,7 +79,7 @@ std::vector<Lamp> lamps_of(Size size, std::uint64_t seed) {
 
 Image<float> textured_scene(Size size, std::uint64_t seed) {
   const Size coarse_size{size.width / kCoarser + 2, size.height / kCoarser + 2};
-  Image<float> coarse = test::test_scene(coarse_size.width, coarse_size.height, 12, seed);
+  Image<float> coarse = test::test_scene(coarse_size.width, coarse_size.height, 8, seed);
   for (int y = 0; y < coarse.height(); ++y) {
     for (float* v = coarse.row(y); v != coarse.row(y) + coarse.row_samples(); ++v) *v = std::log(*v);
   }

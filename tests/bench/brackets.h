@@ -10,7 +10,7 @@
 namespace hdr::bench {
 
 /// test_scene's ramp, waves and boxes, interpolated in ln from an eighth of the size, with fractal texture as surfaces
-/// have it, and a few lamps that no shot of a usual bracket holds: about 20 stops, median near 1.
+/// have it, and a few lamps that no shot of a usual bracket holds: about 16 stops, median near 1.
 Image<float> textured_scene(Size size, std::uint64_t seed);
 
 /// level = radiance * k * seconds of full well.
