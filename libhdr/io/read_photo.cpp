@@ -80,9 +80,7 @@ PhotoHeader read_photo_header(const Path& path) {
 bool is_photo_name(const Path& path) {
   static constexpr std::array kExtensions = {".jpg",  ".jpeg", ".jpe", ".png", ".tif", ".tiff", ".webp",
                                              ".heic", ".heif", ".bmp", ".ppm", ".pgm", ".pnm"};
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = internal::extension_of(path);
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 

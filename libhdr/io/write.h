@@ -1,9 +1,12 @@
 #pragma once
 // Files out, each through OutputFile. The format follows the extension.
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "libhdr/core/photo.h"
 #include "libhdr/core/radiance.h"
+#include "libhdr/core/rows.h"
 
 namespace hdr {
 
@@ -19,6 +22,28 @@ struct WriteOptions {
 /// Half that would overflow is an Error naming --type float and the number of pixels.
 void write_map(const Path& path, const RadianceMap& map, const Provenance& provenance = {},
                const WriteOptions& options = {});
+
+/// All of a radiance map but its pixels, known before the first of them.
+struct MapHeader {
+  Size size;
+  Chromaticities chromaticities{};
+  std::optional<double> white_luminance{};  ///< as in RadianceMap, and the projection too
+  std::string projection{};
+  bool stddev = false;  ///< EXR layer `stddev`: channels stddev.R, stddev.G, stddev.B
+  bool flags = false;   ///< EXR layer `mask`: channels mask.clipped and mask.dark, 0 or 1 (PixelFlag)
+};
+
+/// Takes the bands of a map and writes them as they come. Without finish() nothing is left on the disk.
+class MapWriter : public MapSink {
+ public:
+  /// After the last row: the file is complete and in its place. Throws Error, also for a half that would overflow.
+  virtual void finish() = 0;
+};
+
+/// The same bytes as write_map writes, whatever the bands, with memory for some bands of rows. Formats other than EXR
+/// have no layers, and leave stddev and flags out.
+std::unique_ptr<MapWriter> open_map_rows(const Path& path, const MapHeader& header, const Provenance& provenance = {},
+                                         const WriteOptions& options = {});
 
 /// 8-bit sRGB picture (PNG or JPEG); `codes` has 3 or 4 channels.
 void write_picture(const Path& path, View<const std::uint8_t> codes);

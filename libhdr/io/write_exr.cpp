@@ -11,22 +11,22 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
-#include <half.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/version.h"
+#include "libhdr/io/internal/half_rows.h"
 
 namespace hdr::internal {
 namespace {
-
-constexpr float kHalfMax = 65504;
 
 Imf::Compression compression_from_name(const std::string& name, const Path& path) {
   static const std::array<std::pair<const char*, Imf::Compression>, 10> kNames = {{{"none", Imf::NO_COMPRESSION},
@@ -47,55 +47,8 @@ Imf::Compression compression_from_name(const std::string& name, const Path& path
   throw Error(fmt::format("{}: no EXR compression called '{}'; one of {}", path.string(), name, known));
 }
 
-struct Misfit {
-  std::int64_t pixels = 0;
-  float largest = 0;
-};
-
-/// Pixels of which a sample is beyond half's range (or not a number).
-Misfit beyond_half(const Image<float>& image) {
-  const auto of_rows = [&](int first, int last) {
-    Misfit misfit;
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < image.width(); ++x) {
-        bool fits = true;
-        for (int c = 0; c < image.channels(); ++c) {
-          const float v = std::abs(image(x, y, c));
-          if (!(v <= kHalfMax)) fits = false;
-          misfit.largest = std::max(misfit.largest, v);
-        }
-        if (!fits) ++misfit.pixels;
-      }
-    }
-    return misfit;
-  };
-  return reduce_rows(image.height(), 16, Misfit{}, of_rows, [](Misfit& total, const Misfit& part) {
-    total.pixels += part.pixels;
-    total.largest = std::max(total.largest, part.largest);
-  });
-}
-
-void require_half_range(const Image<float>& image, const Path& path) {
-  const Misfit misfit = beyond_half(image);
-  if (misfit.pixels == 0) return;
-  throw Error(
-      fmt::format("{}: cannot be written: {} pixels exceed the largest half, 65504 (the largest is {:g}); pass "
-                  "--type float",
-                  path.string(), misfit.pixels, misfit.largest));
-}
-
-Image<half> half_from_float(const Image<float>& image) {
-  Image<half> halves(image.size(), image.channels());
-  for_rows(image.height(), 16, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      std::transform(image.row(y), image.row(y) + image.row_samples(), halves.row(y), [](float v) { return half(v); });
-    }
-  });
-  return halves;
-}
-
-Imf::Header header_of(const RadianceMap& map, const Provenance& provenance) {
-  Imf::Header header(map.rgb.width(), map.rgb.height());
+Imf::Header header_of(const MapHeader& map, const Provenance& provenance) {
+  Imf::Header header(map.size.width, map.size.height);
   const Chromaticities& xy = map.chromaticities;
   const auto v2f = [](const float(&p)[2]) { return Imath::V2f(p[0], p[1]); };
   Imf::addChromaticities(header, Imf::Chromaticities(v2f(xy.red), v2f(xy.green), v2f(xy.blue), v2f(xy.white)));
@@ -107,58 +60,193 @@ Imf::Header header_of(const RadianceMap& map, const Provenance& provenance) {
   return header;
 }
 
-/// A plane of the map and the names of its channels.
-struct Plane {
-  const Image<float>* pixels;
-  std::vector<std::string> names;
-};
-
-std::vector<Plane> planes_of(const RadianceMap& map) {
-  std::vector<Plane> planes{{&map.rgb, {"R", "G", "B"}}};
-  if (!map.alpha.empty()) planes.push_back({&map.alpha, {"A"}});
-  if (!map.stddev.empty()) planes.push_back({&map.stddev, {"stddev.R", "stddev.G", "stddev.B"}});
-  return planes;
+/// OpenEXR compresses blocks of lines, each as a task of its own: enough of them at a time for all threads.
+int rows_at_a_time(Imf::Compression compression, int height) {
+  const int block = compression == Imf::DWAB_COMPRESSION ? 256 : 32;
+  return std::min(height, block * 2 * threads());
 }
 
+/// Channels of one layer, interleaved: rows that wait to be compressed, as the file's type of sample.
+struct Plane {
+  std::vector<std::string> names;
+  Image<std::uint16_t> halves;
+  Image<float> floats;
+
+  int channels() const { return static_cast<int>(names.size()); }
+};
+
 template <class T>
-void add_slices(const Image<T>& pixels, const std::vector<std::string>& names, Imf::PixelType type,
-                Imf::FrameBuffer& frame) {
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    // Imf::Slice is used for reading too and takes a plain char*; OutputFile only reads from it.
-    char* base = const_cast<char*>(reinterpret_cast<const char*>(pixels.row(0) + c));
-    frame.insert(names[c], Imf::Slice(type, base, sizeof(T) * names.size(),
-                                      sizeof(T) * static_cast<std::size_t>(pixels.stride())));
+void add_slices(Image<T>& rows, const Plane& plane, Imf::PixelType type, int first, Imf::FrameBuffer& frame) {
+  const auto step = static_cast<std::ptrdiff_t>(sizeof(T)) * rows.stride();
+  for (int c = 0; c < plane.channels(); ++c) {
+    // A Slice's base is where row 0 of the file would be.
+    char* base = reinterpret_cast<char*>(rows.row(0) + c) - first * step;
+    frame.insert(plane.names[static_cast<std::size_t>(c)],
+                 Imf::Slice(type, base, sizeof(T) * plane.names.size(), static_cast<std::size_t>(step)));
   }
 }
 
 }  // namespace
 
-void write_exr(const Path& file, const Path& path, const RadianceMap& map, const Provenance& provenance,
-               const WriteOptions& options) try {
-  const bool as_half = options.type == SampleType::kHalf;
-  const Imf::PixelType type = as_half ? Imf::HALF : Imf::FLOAT;
-  Imf::Header header = header_of(map, provenance);
-  header.compression() = compression_from_name(options.compression, path);
-  Imf::FrameBuffer frame;
-  std::vector<Image<half>> halves;
-  for (const Plane& plane : planes_of(map)) {
-    HDR_ASSERT(plane.pixels->size() == map.size());
-    for (const std::string& name : plane.names) header.channels().insert(name, Imf::Channel(type));
-    if (as_half) {
-      require_half_range(*plane.pixels, path);
-      halves.push_back(half_from_float(*plane.pixels));
-      add_slices(halves.back(), plane.names, type, frame);
-    } else {
-      add_slices(*plane.pixels, plane.names, type, frame);
+class ExrWriter::File {
+ public:
+  File(const Path& file, const Path& path, const MapHeader& map, bool alpha, const Provenance& provenance,
+       const WriteOptions& options)
+      : path_(path), as_half_(options.type == SampleType::kHalf), size_(map.size) {
+    Imf::Header header = header_of(map, provenance);
+    header.compression() = compression_from_name(options.compression, path);
+    add_plane(header, kRgb, {"R", "G", "B"});
+    if (alpha) add_plane(header, kAlpha, {"A"});
+    if (map.stddev) add_plane(header, kStddev, {"stddev.R", "stddev.G", "stddev.B"});
+    if (map.flags) add_plane(header, kFlags, {"mask.clipped", "mask.dark"});
+    if (Imf::globalThreadCount() != threads()) Imf::setGlobalThreadCount(threads());
+    out_ = std::make_unique<Imf::OutputFile>(file.c_str(), header, threads());
+  }
+
+  void put(const ExrBand& band) {
+    const int rows = band.rgb.height();
+    HDR_ASSERT(band.rgb.width() == size_.width && first_ + waiting_ + rows <= size_.height);
+    const int room = planes_[kRgb].halves.height() + planes_[kRgb].floats.height();
+    for (int taken = 0; taken < rows;) {
+      const int count = std::min(rows - taken, room - waiting_);
+      take(kRgb, band.rgb, taken, count);
+      take(kAlpha, band.alpha, taken, count);
+      take(kStddev, band.stddev, taken, count);
+      take(kFlags, band.flags, taken, count);
+      taken += count;
+      waiting_ += count;
+      if (waiting_ == room) flush();
     }
   }
-  Imf::OutputFile out(file.c_str(), header, threads());
-  out.setFrameBuffer(frame);
-  out.writePixels(map.rgb.height());
+
+  void finish() {
+    flush();
+    HDR_ASSERT(first_ == size_.height);
+    if (misfit_.pixels > 0) {
+      throw Error(
+          fmt::format("{}: cannot be written: {} pixels exceed the largest half, 65504 (the largest is {:g}); pass "
+                      "--type float",
+                      path_.string(), misfit_.pixels, misfit_.largest));
+    }
+    out_.reset();
+  }
+
+ private:
+  enum PlaneIndex : std::size_t { kRgb, kAlpha, kStddev, kFlags, kPlanes };
+
+  void add_plane(Imf::Header& header, PlaneIndex index, std::vector<std::string> names) {
+    Plane& plane = planes_[index];
+    plane.names = std::move(names);
+    const int rows = rows_at_a_time(header.compression(), size_.height);
+    if (as_half_) {
+      plane.halves = Image<std::uint16_t>(size_.width, rows, plane.channels());
+    } else {
+      plane.floats = Image<float>(size_.width, rows, plane.channels());
+    }
+    for (const std::string& name : plane.names) header.channels().insert(name, Imf::Channel(type()));
+  }
+  Imf::PixelType type() const { return as_half_ ? Imf::HALF : Imf::FLOAT; }
+
+  /// Rows taken .. taken + count - 1 of the band, behind those that wait already.
+  template <class T>
+  void take(PlaneIndex index, const View<const T>& band, int taken, int count) {
+    Plane& plane = planes_[index];
+    if (plane.names.empty()) return;
+    HDR_ASSERT(band.width() == size_.width && band.height() >= taken + count);
+    const auto misfit = reduce_rows(
+        count, 8, Misfit{},
+        [&](int first, int last) {
+          Misfit part;
+          std::vector<float> spread;
+          for (int y = first; y < last; ++y) {
+            const float* row = floats_of(band.row(taken + y), plane, spread);
+            add(part, place(row, plane, waiting_ + y));
+          }
+          return part;
+        },
+        add);
+    add(misfit_, misfit);
+  }
+
+  static void add(Misfit& total, const Misfit& part) {
+    total.pixels += part.pixels;
+    total.largest = std::max(total.largest, part.largest);
+  }
+
+  static const float* floats_of(const float* row, const Plane&, std::vector<float>&) { return row; }
+  /// Flags become a channel each, 0 or 1.
+  const float* floats_of(const std::uint8_t* flags, const Plane& plane, std::vector<float>& spread) const {
+    spread.resize(static_cast<std::size_t>(size_.width) * plane.names.size());
+    for (std::size_t x = 0; x < static_cast<std::size_t>(size_.width); ++x) {
+      spread[2 * x] = flags[x] & kClippedFlag ? 1 : 0;
+      spread[2 * x + 1] = flags[x] & kDarkFlag ? 1 : 0;
+    }
+    return spread.data();
+  }
+
+  Misfit place(const float* row, Plane& plane, int at) const {
+    const std::size_t samples = static_cast<std::size_t>(size_.width) * plane.names.size();
+    if (!as_half_) {
+      std::copy_n(row, samples, plane.floats.row(at));
+      return {};
+    }
+    halves_from_floats(row, plane.halves.row(at), samples);
+    return beyond_half(row, size_.width, plane.channels());
+  }
+
+  void flush() {
+    if (waiting_ == 0) return;
+    Imf::FrameBuffer frame;
+    for (Plane& plane : planes_) {
+      if (plane.names.empty()) continue;
+      if (as_half_) {
+        add_slices(plane.halves, plane, type(), first_, frame);
+      } else {
+        add_slices(plane.floats, plane, type(), first_, frame);
+      }
+    }
+    out_->setFrameBuffer(frame);
+    out_->writePixels(waiting_);
+    first_ += waiting_;
+    waiting_ = 0;
+  }
+
+  Path path_;
+  bool as_half_;
+  Size size_;
+  std::array<Plane, kPlanes> planes_;
+  int first_ = 0, waiting_ = 0;  ///< rows written, and rows in the planes
+  Misfit misfit_;
+  std::unique_ptr<Imf::OutputFile> out_;
+};
+
+namespace {
+
+/// Errors of OpenEXR say what to do about them.
+template <class Work>
+auto translated(const Path& path, const Work& work) try {
+  return work();
 } catch (const Error&) {
   throw;
-} catch (const std::exception& failure) {  // OpenEXR's own
+} catch (const std::exception& failure) {
   throw Error(fmt::format("{}: cannot be written: {}; check the space on the disk", path.string(), failure.what()));
+}
+
+}  // namespace
+
+ExrWriter::ExrWriter(const Path& file, const Path& path, const MapHeader& header, bool alpha,
+                     const Provenance& provenance, const WriteOptions& options)
+    : path_(path),
+      file_(translated(path, [&] { return std::make_unique<File>(file, path, header, alpha, provenance, options); })) {}
+
+ExrWriter::~ExrWriter() = default;
+
+void ExrWriter::put(const ExrBand& band) {
+  translated(path_, [&] { file_->put(band); });
+}
+
+void ExrWriter::finish() {
+  translated(path_, [&] { file_->finish(); });
 }
 
 }  // namespace hdr::internal

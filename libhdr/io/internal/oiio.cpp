@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <mutex>
@@ -65,6 +66,18 @@ void share_threads() {
 }
 
 }  // namespace
+
+std::string extension_of(const Path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+void throw_unwritable(const Path& path, const std::string& message) {
+  throw Error(fmt::format("{}: cannot be written: {}; check the name and the space on the disk", path.string(),
+                          oiio_message(message, path)));
+}
 
 std::string oiio_message(const std::string& raw, const Path& path) {
   std::string text = raw.empty() ? "unknown error" : raw;

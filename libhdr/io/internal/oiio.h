@@ -23,6 +23,12 @@ struct OpenedPicture {
 };
 OpenedPicture open_picture_for_rows(const Path& path);
 
+/// Lower case, with the dot.
+std::string extension_of(const Path& path);
+
+/// "FILE: cannot be written: MESSAGE; check the name and the space on the disk"
+[[noreturn]] void throw_unwritable(const Path& path, const std::string& message);
+
 /// What OpenImageIO says went wrong, its first line, without the file's name in front.
 std::string oiio_message(const std::string& raw, const Path& path);
 
