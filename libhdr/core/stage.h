@@ -12,6 +12,17 @@ struct Stage {
   std::string skipped;     ///< "reason, bound on the error"; empty when nothing was skipped
 };
 
+/// Time since it was made: of the wall clock, and of all threads of the process.
+class Stopwatch {
+ public:
+  Stopwatch();
+  double seconds() const;
+  double cpu_seconds() const;
+
+ private:
+  double wall_, cpu_;
+};
+
 /// Times the stages of one command: `clock.run("merge", [&] { ... })` appends a Stage and returns the result.
 class StageClock {
  public:
@@ -22,6 +33,8 @@ class StageClock {
   }
   /// Says of the stage finished last (or of the running one) what was skipped and why that was safe.
   void skipped(const std::string& reason);
+  /// Two stages that ran hand in hand: appends a stage with a part of the time of the one finished last.
+  void split(const std::string& name, double seconds, double cpu_seconds);
   const std::vector<Stage>& stages() const { return stages_; }
 
  private:
@@ -35,7 +48,7 @@ class StageClock {
    private:
     StageClock& clock_;
     std::size_t index_;
-    double wall_, cpu_;
+    Stopwatch watch_;
   };
   std::vector<Stage> stages_;
 };

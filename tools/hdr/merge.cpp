@@ -13,11 +13,9 @@ std::function<int(Run&)> declare_merge(CLI::App& app) {
   app.add_option("-o,--output", options->output, "the radiance map (.exr, .hdr, .tif)")->required();
   options->write.declare(app);
   return [options](Run& run) {
-    const MergeResult result = merge_shots(run, options->pipeline);
-    answer_merge(run, result);
-    run.stage("write", [&] {
-      write_map(options->output, result.merged.map, provenance_of(run, result), options->write.options());
-    });
+    const MergeInputs inputs = prepare_merge(run, options->pipeline);
+    const Merged merged = merge_to_file(run, inputs, options->output, options->write.options());
+    answer_merge(run, inputs, merged);
     run.say("wrote " + options->output);
     return 0;
   };

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "libhdr/core/error.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/core/version.h"
 #include "libhdr/io/output_file.h"
 #include "tools/hdr/flat_field.h"
@@ -13,6 +16,51 @@ namespace {
 
 std::size_t shot_of_input(const Bracket& bracket, std::size_t k) {
   return static_cast<std::size_t>(bracket.input_order[k]);
+}
+
+/// Bytes of codes for each pixel of a shot. A merge may use 2.5 times its float map, 30 bytes a pixel; what is left is
+/// for a band of the map, for its compression, and for the small pictures of the alignment.
+constexpr double kCodeBytesAPixel = 27;
+
+/// Hands the rows on, and has the time taken.
+template <class Timed>
+class TimedSink final : public MapSink {
+ public:
+  TimedSink(MapSink& to, const Timed& timed) : to_(to), timed_(timed) {}
+  void put(const MapRows& rows) override {
+    timed_([&] { to_.put(rows); });
+  }
+
+ private:
+  MapSink& to_;
+  const Timed& timed_;
+};
+
+/// Until merge/ has it.
+Merged merge_rows(const Bracket& bracket, const Alignment& alignment, const Response& response,
+                  const MergeOptions& options, MapSink& sink) {
+  Bracket loaded;
+  loaded.input_order = bracket.input_order;
+  for (const Photo& shot : bracket.shots) {
+    const LoadedShot codes(shot);
+    Photo copy{shot.path, shot.exposure, shot.bits, shot.lossy, {}, {}};
+    std::visit([&](const auto& image) { copy.codes = image.clone(); }, codes->codes);
+    loaded.shots.push_back(std::move(copy));
+  }
+  Merged merged = merge(loaded, alignment, response, options);
+  for (int y = 0; y < merged.map.rgb.height(); y += 64) {
+    const int last = std::min(merged.map.rgb.height(), y + 64);
+    sink.put({y, merged.map.rgb.view().rows(y, last), {}, {}});
+  }
+  merged.map = {};
+  return merged;
+}
+
+void tell_skipped(Run& run, const Bracket& bracket, const Merged& merged) {
+  for (std::size_t k = 0; k < merged.frames.size(); ++k) {
+    if (merged.frames[k].used) continue;
+    run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
+  }
 }
 
 Json flat(const Mat3& m) {
@@ -34,7 +82,19 @@ void MergePipelineOptions::declare(CLI::App& app) {
 }
 
 Bracket read_shots(Run& run, const ShotsOptions& options) {
-  Bracket bracket = run.stage("read", [&] { return read_bracket(options.files, options.bracket_options()); });
+  BracketOptions bracket_options = options.bracket_options();
+  bracket_options.code_bytes_a_pixel = kCodeBytesAPixel;
+  Bracket bracket = run.stage("read", [&] { return read_bracket(options.files, bracket_options); });
+  const auto kept =
+      std::count_if(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.in_memory(); });
+  if (static_cast<std::size_t>(kept) < bracket.shots.size()) {
+    run.clock.skipped(
+        fmt::format("keeping codes in memory: of {} shots x {:.1f} MP for {}, as all would exceed 2.5 x the map; each "
+                    "stage decodes "
+                    "these again",
+                    bracket.shots.size(), 1e-6 * bracket.size().width * bracket.size().height,
+                    bracket.shots.size() - static_cast<std::size_t>(kept)));
+  }
   for (const std::string& warning : bracket.warnings) run.warn(warning);
   return bracket;
 }
@@ -80,38 +140,56 @@ Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& a
   return calibration;
 }
 
-MergeResult merge_shots(Run& run, const MergePipelineOptions& options) {
+MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   const AlignMethod method = align_method(options.align);
-  options.scale.check();
-  const MapScale like = scale_like(options.scale);
-  Bracket bracket = read_shots(run, options.shots);
-  require_same_terms(options.scale, like, bracket);
-  const std::optional<Response> known = known_response(options.merge.response, bracket.bits());
-  Alignment alignment = align_shots(run, bracket, known, method);
-  Response response;
-  std::optional<double> rms_log_error;
+  MergeInputs inputs;
+  inputs.bracket = read_shots(run, options.shots);
+  const std::optional<Response> known = known_response(options.merge.response, inputs.bracket.bits());
+  inputs.alignment = align_shots(run, inputs.bracket, known, method);
   if (known) {
-    response = *known;
+    inputs.response = *known;
     run.stage("calibrate", [] {});
     run.clock.skipped("the response was given");
   } else {
-    Calibration calibration = calibrate_shots(run, bracket, alignment, options.calibrate.options());
-    answer_calibration(run, bracket, calibration);
-    rms_log_error = calibration.rms_log_error;
-    for (std::size_t k = 0; k < bracket.shots.size(); ++k) bracket.shots[k].exposure.seconds = calibration.seconds[k];
-    response = std::move(calibration.response);
+    Calibration calibration = calibrate_shots(run, inputs.bracket, inputs.alignment, options.calibrate.options());
+    answer_calibration(run, inputs.bracket, calibration);
+    inputs.rms_log_error = calibration.rms_log_error;
+    inputs.response = std::move(calibration.response);
   }
-  MergeOptions merge_options = options.merge.options();
-  merge_options.exposure_unit = like.exposure_unit;
-  const Image<float> flat = read_flat_field(run, options.merge.flat, response, bracket.size());
-  merge_options.flat = flat;
-  Merged merged = run.stage("merge", [&] { return merge(bracket, alignment, response, merge_options); });
-  for (std::size_t k = 0; k < merged.frames.size(); ++k) {
-    if (merged.frames[k].used) continue;
-    run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
-  }
-  merged.map.white_luminance = white_luminance_of(run, options.scale, like, bracket, merged);
-  return {std::move(bracket), std::move(response), rms_log_error, std::move(alignment), std::move(merged)};
+  inputs.options = options.merge.options();
+  // The header of a map that is written as it is merged needs the unit beforehand.
+  const std::vector<Photo>& shots = inputs.bracket.shots;
+  if (!inputs.options.exposure_unit) inputs.options.exposure_unit = shots[(shots.size() - 1) / 2].relative_exposure();
+  return inputs;
+}
+
+Merged merge_shots(Run& run, const MergeInputs& inputs) {
+  Merged merged =
+      run.stage("merge", [&] { return merge(inputs.bracket, inputs.alignment, inputs.response, inputs.options); });
+  tell_skipped(run, inputs.bracket, merged);
+  return merged;
+}
+
+Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options) {
+  double write_seconds = 0, write_cpu_seconds = 0;
+  const auto timed = [&](const auto& work) {
+    const Stopwatch watch;
+    work();
+    write_seconds += watch.seconds();
+    write_cpu_seconds += watch.cpu_seconds();
+  };
+  Merged merged = run.stage("merge", [&] {
+    const bool uncertainty = inputs.options.uncertainty;
+    const MapHeader header{inputs.bracket.size(), {}, {}, {}, uncertainty, uncertainty};
+    const auto writer = open_map_rows(output, header, provenance_of(run, inputs), options);
+    TimedSink sink(*writer, timed);
+    Merged rows = merge_rows(inputs.bracket, inputs.alignment, inputs.response, inputs.options, sink);
+    timed([&] { writer->finish(); });
+    return rows;
+  });
+  tell_skipped(run, inputs.bracket, merged);
+  run.clock.split("write", write_seconds, write_cpu_seconds);
+  return merged;
 }
 
 Provenance provenance_of(const Run& run, const Path& input) {
@@ -122,18 +200,17 @@ Provenance provenance_of(const Run& run, const Path& input) {
   return provenance;
 }
 
-Provenance provenance_of(const Run& run, const MergeResult& result) {
-  const Bracket& bracket = result.bracket;
+Provenance provenance_of(const Run& run, const MergeInputs& inputs) {
+  const Bracket& bracket = inputs.bracket;
   Provenance provenance = provenance_of(run, Path{});
-  std::string inputs, exposures;
+  std::string names, exposures;
   for (const Photo& shot : bracket.shots) {
-    inputs += (inputs.empty() ? "" : " ") + shot.path.filename().string();
+    names += (names.empty() ? "" : " ") + shot.path.filename().string();
     exposures += fmt::format("{}{}", exposures.empty() ? "" : " ", shot.relative_exposure());
   }
-  provenance.add("input", inputs);
+  provenance.add("input", names);
   provenance.add("exposures", exposures);
-  provenance.add("exposure_terms", text_from_terms(exposure_terms(bracket)));
-  provenance.add("exposure_unit", fmt::format("{}", result.merged.exposure_unit));
+  provenance.add("exposure_unit", fmt::format("{}", inputs.options.exposure_unit.value()));
   return provenance;
 }
 
@@ -174,34 +251,32 @@ void answer_alignment(Run& run, const Bracket& bracket, const Alignment& alignme
   run.answer["frames"] = std::move(frames);
 }
 
-void answer_merge(Run& run, const MergeResult& result) {
-  const Bracket& bracket = result.bracket;
-  run.answer["width"] = result.merged.map.rgb.width();
-  run.answer["height"] = result.merged.map.rgb.height();
-  run.answer["clipped"] = result.merged.clipped;
-  run.answer["dark"] = result.merged.dark;
-  run.answer["stops"] = result.merged.stops;
-  run.answer["exposure_unit"] = result.merged.exposure_unit;
-  answer_white_luminance(run, result.merged.map.white_luminance);
-  run.answer["reference"] = bracket.shots[static_cast<std::size_t>(result.alignment.reference)].path.string();
+void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged) {
+  const Bracket& bracket = inputs.bracket;
+  run.answer["width"] = bracket.size().width;
+  run.answer["height"] = bracket.size().height;
+  run.answer["clipped"] = merged.clipped;
+  run.answer["dark"] = merged.dark;
+  run.answer["stops"] = merged.stops;
+  run.answer["exposure_unit"] = merged.exposure_unit;
+  run.answer["reference"] = bracket.shots[static_cast<std::size_t>(inputs.alignment.reference)].path.string();
   Json frames = Json::array();
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {
     const std::size_t shot = shot_of_input(bracket, k);
-    const FrameAlignment& aligned = result.alignment.frames[shot];
-    const MergedFrame& merged = result.merged.frames[shot];
+    const FrameAlignment& aligned = inputs.alignment.frames[shot];
+    const MergedFrame& used = merged.frames[shot];
     Json row = {{"path", bracket.shots[shot].path.string()},
                 {"seconds", *bracket.shots[shot].exposure.seconds},
-                {"used", merged.used},
+                {"used", used.used},
                 {"ref_from_photo", flat(aligned.ref_from_photo)},
                 {"residual_px", aligned.residual_px}};
-    if (!merged.skipped.empty()) row["skipped"] = merged.skipped;
+    if (!used.skipped.empty()) row["skipped"] = used.skipped;
     if (!aligned.skipped.empty()) row["registration"] = aligned.skipped;
     frames.push_back(std::move(row));
   }
   run.answer["frames"] = std::move(frames);
-  run.say(fmt::format("map: {}x{}, {:.1f} stops, {} pixels clipped and {} dark in every shot",
-                      result.merged.map.rgb.width(), result.merged.map.rgb.height(), result.merged.stops,
-                      result.merged.clipped, result.merged.dark));
+  run.say(fmt::format("map: {}x{}, {:.1f} stops, {} pixels clipped and {} dark in every shot", bracket.size().width,
+                      bracket.size().height, merged.stops, merged.clipped, merged.dark));
 }
 
 }  // namespace hdr::tools

@@ -22,14 +22,16 @@ struct MergePipelineOptions {
   void declare(CLI::App& app);
 };
 
-struct MergeResult {
+/// A bracket that is ready to be merged.
+struct MergeInputs {
   Bracket bracket;
   Response response;
   std::optional<double> rms_log_error;  ///< of the fit; nothing when the response was given
   Alignment alignment;
-  Merged merged;
+  MergeOptions options;  ///< with its exposure unit
 };
 
+/// Reads the shots. Their codes stay in memory while they fit in what a merge may use: 2.5 times its map.
 Bracket read_shots(Run& run, const ShotsOptions& options);
 
 /// Response from --response, or nothing when it is to be fitted.
@@ -40,15 +42,20 @@ Alignment align_shots(Run& run, const Bracket& bracket, const std::optional<Resp
 Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& alignment,
                             const CalibrateOptions& options);
 
-MergeResult merge_shots(Run& run, const MergePipelineOptions& options);
+/// Reads, aligns and calibrates.
+MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options);
+/// The map in memory.
+Merged merge_shots(Run& run, const MergeInputs& inputs);
+/// The map on the disk, written as its rows come: `merged.map` is empty.
+Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options);
 
 /// Version, options, shots with their exposures (names without folders).
-Provenance provenance_of(const Run& run, const MergeResult& result);
+Provenance provenance_of(const Run& run, const MergeInputs& inputs);
 Provenance provenance_of(const Run& run, const Path& input);
 
 /// Rows of the answer, in the order in which the user named the files.
 void answer_calibration(Run& run, const Bracket& bracket, const Calibration& calibration);
 void answer_alignment(Run& run, const Bracket& bracket, const Alignment& alignment);
-void answer_merge(Run& run, const MergeResult& result);
+void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged);
 
 }  // namespace hdr::tools

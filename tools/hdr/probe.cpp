@@ -22,18 +22,18 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
   options->unwrap.declare(app);
   options->write.declare(app);
   return [options](Run& run) {
-    MergeResult result = merge_shots(run, options->pipeline);
-    answer_merge(run, result);
+    const MergeInputs inputs = prepare_merge(run, options->pipeline);
+    const Merged merged = merge_shots(run, inputs);
+    answer_merge(run, inputs, merged);
     const std::string reference = run.answer["reference"];
-    RadianceMap probe = unwrap_picture(run, result.merged.map, options->unwrap, MirrorBall::kName, reference);
-    scale_by_lux(run, options->pipeline.scale, probe, result.merged.map);
-    const Provenance provenance = provenance_of(run, result);
+    const RadianceMap probe = unwrap_picture(run, merged.map, options->unwrap, MirrorBall::kName, reference);
+    const Provenance provenance = provenance_of(run, inputs);
     run.stage("write", [&] {
       write_map(options->output, probe, provenance, options->write.options());
       if (!options->map_output.empty())
-        write_map(options->map_output, result.merged.map, provenance, options->write.options());
+        write_map(options->map_output, merged.map, provenance, options->write.options());
       if (!options->response_output.empty()) {
-        write_text(options->response_output, json_from_response(result.response, result.rms_log_error.value_or(0)));
+        write_text(options->response_output, json_from_response(inputs.response, inputs.rms_log_error.value_or(0)));
       }
     });
     run.say("wrote " + options->output);
