@@ -48,6 +48,7 @@ struct Measurement {
   double per_read;      ///< d variance / d(read noise / full well)^2
   double per_code;      ///< d variance / d(code noise)^2
   double rounding;      ///< variance that rounding adds
+  double beyond;        ///< samples farther than four robust deviations from their middle
 };
 
 /// Codes of one channel of all shots at the sampled places; -1 outside the frame. codes[i * shots + j]
@@ -69,7 +70,11 @@ double median_of(std::vector<double>& values) {
 /// Robust variance: the median of the sizes, which for a normal distribution is .6745 deviations. Where black cuts the
 /// noise off below, only the residuals above the prediction are whole; elsewhere the centre is their own median, so
 /// that a small error of the response is not taken for noise.
-double robust_variance(const std::vector<Residual>& bin) {
+struct Spread {
+  double variance = 0;  ///< 0: too few samples
+  double beyond = 0;    ///< samples farther than four deviations
+};
+Spread robust_spread(const std::vector<Residual>& bin) {
   constexpr double kMedianOfNormal = 0.67449;
   const auto black = std::count_if(bin.begin(), bin.end(), [](const Residual& r) { return r.black; });
   const bool cut = static_cast<double>(black) > 0.005 * static_cast<double>(bin.size());
@@ -83,9 +88,11 @@ double robust_variance(const std::vector<Residual>& bin) {
   for (const Residual& r : bin) {
     if (!cut || r.value > 0) sizes.push_back(std::abs(r.value - centre));
   }
-  if (static_cast<int>(sizes.size()) < kFewestInBin / 4) return 0;
+  if (static_cast<int>(sizes.size()) < kFewestInBin / 4) return {};
   const double deviation = median_of(sizes) / kMedianOfNormal;
-  return deviation * deviation;
+  const auto beyond = std::count_if(sizes.begin(), sizes.end(), [&](double size) { return size > 4 * deviation; });
+  return {deviation * deviation,
+          static_cast<double>(beyond) * static_cast<double>(bin.size()) / static_cast<double>(sizes.size())};
 }
 
 Measurement measurement_of(const std::vector<Residual>& bin, double ratio) {
@@ -99,7 +106,9 @@ Measurement measurement_of(const std::vector<Residual>& bin, double ratio) {
   slope_squares /= count;
   // Shot noise: X_short has variance X / full well, and ratio X_long has ratio^2 (X / ratio) / full well. Each code was
   // rounded once by the camera, and spread over its cell once more by us.
-  return {robust_variance(bin), count, prediction * (1 + ratio), 1 + ratio * ratio, slope_squares, slope_squares / 6};
+  const Spread spread = robust_spread(bin);
+  return {spread.variance,   count,        prediction * (1 + ratio), 1 + ratio * ratio, slope_squares,
+          slope_squares / 6, spread.beyond};
 }
 
 /// All bins of the pair (shorter j, longer k).
@@ -114,8 +123,9 @@ void measure_pair(const SampledCodes& codes, std::size_t shots, std::size_t j, s
     const double prediction = ratio * table.level[l];
     const int bin = static_cast<int>(std::floor(kBins + kBinsAnOctave * std::log2(prediction)));
     if (bin < 0 || bin >= kBins) continue;
-    // Spread over their cells, codes are continuous and have a median worth the name.
-    Random random(i, j * shots + k);
+    // Spread over their cells, codes are continuous and have a median worth the name. By place and code, so that shots
+    // which say nothing change nothing.
+    Random random(i, static_cast<std::uint64_t>(code_short) << 16 | static_cast<std::uint64_t>(code_long));
     const double spread_short = random.uniform() - 0.5, spread_long = random.uniform() - 0.5;
     const double value =
         table.level[s] + spread_short * table.slope[s] - ratio * (table.level[l] + spread_long * table.slope[l]);
@@ -190,26 +200,37 @@ NoiseModel fit_noise(const std::vector<Measurement>& measurements, bool lossy) {
 
 }  // namespace
 
-Noise estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response) {
+NoiseEstimate estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response,
+                             const std::vector<bool>& left_out) {
   HDR_ASSERT(response.bits == bracket.bits());
   const std::size_t shots = bracket.shots.size();
+  HDR_ASSERT(left_out.empty() || left_out.size() == shots);
+  const auto used = [&](std::size_t shot) { return left_out.empty() || !left_out[shot]; };
   const std::array<SampledCodes, 3> codes =
       internal::codes_at_places(bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces));
   const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
-  Noise noise;
+  NoiseEstimate estimate;
+  std::array<double, 3> count{}, beyond{};
   for_rows(3, 1, [&](int channel, int) {
     const auto c = static_cast<std::size_t>(channel);
     const LevelTable table(response, channel);
     std::vector<Measurement> measurements;
     for (std::size_t j = 0; j < shots; ++j) {
       for (std::size_t k = j + 1; k < std::min(shots, j + 3); ++k) {
+        if (!used(j) || !used(k)) continue;
         const double ratio = bracket.shots[j].relative_exposure() / bracket.shots[k].relative_exposure();
         measure_pair(codes[c], shots, j, k, ratio, table, measurements);
       }
     }
-    noise[c] = fit_noise(measurements, lossy);
+    estimate.noise[c] = fit_noise(measurements, lossy);
+    for (const Measurement& m : measurements) {
+      count[c] += m.count;
+      beyond[c] += m.beyond;
+    }
   });
-  return noise;
+  const double all = count[0] + count[1] + count[2];
+  if (all > 0) estimate.outliers = (beyond[0] + beyond[1] + beyond[2]) / all;
+  return estimate;
 }
 
 }  // namespace hdr

@@ -36,30 +36,15 @@ class TimedSink final : public MapSink {
   const Timed& timed_;
 };
 
-/// Until merge/ has it.
-Merged merge_rows(const Bracket& bracket, const Alignment& alignment, const Response& response,
-                  const MergeOptions& options, MapSink& sink) {
-  Bracket loaded;
-  loaded.input_order = bracket.input_order;
-  for (const Photo& shot : bracket.shots) {
-    const LoadedShot codes(shot);
-    Photo copy{shot.path, shot.exposure, shot.bits, shot.lossy, {}, {}};
-    std::visit([&](const auto& image) { copy.codes = image.clone(); }, codes->codes);
-    loaded.shots.push_back(std::move(copy));
-  }
-  Merged merged = merge(loaded, alignment, response, options);
-  for (int y = 0; y < merged.map.rgb.height(); y += 64) {
-    const int last = std::min(merged.map.rgb.height(), y + 64);
-    sink.put({y, merged.map.rgb.view().rows(y, last), {}, {}});
-  }
-  merged.map = {};
-  return merged;
-}
-
 void tell_skipped(Run& run, const Bracket& bracket, const Merged& merged) {
   for (std::size_t k = 0; k < merged.frames.size(); ++k) {
     if (merged.frames[k].used) continue;
     run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
+  }
+  if (merged.skipped_tiles > 0) {
+    run.clock.skipped(
+        fmt::format("{:.0f} % of the shots' tiles had nothing to add (black or clipped): not a byte changes",
+                    100 * merged.skipped_tiles));
   }
 }
 
@@ -142,8 +127,12 @@ Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& a
 
 MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   const AlignMethod method = align_method(options.align);
+  options.scale.check();
   MergeInputs inputs;
+  inputs.scale = options.scale;
+  const MapScale like = scale_like(options.scale);
   inputs.bracket = read_shots(run, options.shots);
+  require_same_terms(options.scale, like, inputs.bracket);
   const std::optional<Response> known = known_response(options.merge.response, inputs.bracket.bits());
   inputs.alignment = align_shots(run, inputs.bracket, known, method);
   if (known) {
@@ -154,12 +143,19 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
     Calibration calibration = calibrate_shots(run, inputs.bracket, inputs.alignment, options.calibrate.options());
     answer_calibration(run, inputs.bracket, calibration);
     inputs.rms_log_error = calibration.rms_log_error;
+    for (std::size_t k = 0; k < calibration.seconds.size(); ++k) {
+      inputs.bracket.shots[k].exposure.seconds = calibration.seconds[k];  // as refined
+    }
     inputs.response = std::move(calibration.response);
   }
   inputs.options = options.merge.options();
+  inputs.flat = read_flat_field(run, options.merge.flat, inputs.response, inputs.bracket.size());
+  inputs.options.flat = inputs.flat;
+  inputs.options.exposure_unit = like.exposure_unit;
   // The header of a map that is written as it is merged needs the unit beforehand.
   const std::vector<Photo>& shots = inputs.bracket.shots;
   if (!inputs.options.exposure_unit) inputs.options.exposure_unit = shots[(shots.size() - 1) / 2].relative_exposure();
+  inputs.white_luminance = known_white_luminance(options.scale, like, inputs.bracket, *inputs.options.exposure_unit);
   return inputs;
 }
 
@@ -167,10 +163,17 @@ Merged merge_shots(Run& run, const MergeInputs& inputs) {
   Merged merged =
       run.stage("merge", [&] { return merge(inputs.bracket, inputs.alignment, inputs.response, inputs.options); });
   tell_skipped(run, inputs.bracket, merged);
+  merged.map.white_luminance =
+      inputs.scale.patch.empty() ? inputs.white_luminance : white_luminance_of_patch(run, inputs.scale, merged.map.rgb);
   return merged;
 }
 
 Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options) {
+  if (!inputs.scale.patch.empty()) {  // measured in the map, and said in its header: the map comes first
+    Merged merged = merge_shots(run, inputs);
+    run.stage("write", [&] { write_map(output, merged.map, provenance_of(run, inputs), options); });
+    return merged;
+  }
   double write_seconds = 0, write_cpu_seconds = 0;
   const auto timed = [&](const auto& work) {
     const Stopwatch watch;
@@ -178,15 +181,17 @@ Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, co
     write_seconds += watch.seconds();
     write_cpu_seconds += watch.cpu_seconds();
   };
-  Merged merged = run.stage("merge", [&] {
+  Merged merged;
+  static_cast<MergeSummary&>(merged) = run.stage("merge", [&] {
     const bool uncertainty = inputs.options.uncertainty;
-    const MapHeader header{inputs.bracket.size(), {}, {}, {}, uncertainty, uncertainty};
+    const MapHeader header{inputs.bracket.size(), {}, inputs.white_luminance, {}, uncertainty, uncertainty};
     const auto writer = open_map_rows(output, header, provenance_of(run, inputs), options);
     TimedSink sink(*writer, timed);
-    Merged rows = merge_rows(inputs.bracket, inputs.alignment, inputs.response, inputs.options, sink);
+    MergeSummary summary = merge_rows(inputs.bracket, inputs.alignment, inputs.response, inputs.options, sink);
     timed([&] { writer->finish(); });
-    return rows;
+    return summary;
   });
+  merged.map.white_luminance = inputs.white_luminance;
   tell_skipped(run, inputs.bracket, merged);
   run.clock.split("write", write_seconds, write_cpu_seconds);
   return merged;
@@ -210,6 +215,7 @@ Provenance provenance_of(const Run& run, const MergeInputs& inputs) {
   }
   provenance.add("input", names);
   provenance.add("exposures", exposures);
+  provenance.add("exposure_terms", text_from_terms(exposure_terms(bracket)));
   provenance.add("exposure_unit", fmt::format("{}", inputs.options.exposure_unit.value()));
   return provenance;
 }
@@ -259,6 +265,7 @@ void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged) {
   run.answer["dark"] = merged.dark;
   run.answer["stops"] = merged.stops;
   run.answer["exposure_unit"] = merged.exposure_unit;
+  answer_white_luminance(run, merged.map.white_luminance);
   run.answer["reference"] = bracket.shots[static_cast<std::size_t>(inputs.alignment.reference)].path.string();
   Json frames = Json::array();
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {

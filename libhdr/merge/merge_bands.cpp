@@ -1,0 +1,248 @@
+#include "libhdr/merge/internal/merge_bands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "libhdr/core/error.h"
+#include "libhdr/core/parallel.h"
+#include "libhdr/merge/internal/bounds.h"
+#include "libhdr/merge/internal/flat_field.h"
+#include "libhdr/merge/internal/merge_row.h"
+#include "libhdr/merge/internal/source.h"
+#include "libhdr/merge/internal/stops.h"
+#include "libhdr/response/estimate_noise.h"
+
+namespace hdr::internal {
+namespace {
+
+/// Rows of a band that one task merges.
+constexpr int kTaskHeight = 8;
+
+void check(const Bracket& bracket, const Alignment& alignment, const Response& response) {
+  if (bracket.shots.empty()) throw Error("no shots: nothing to merge; name one or more photographs");
+  HDR_ASSERT(alignment.frames.size() == bracket.shots.size());
+  for (const Photo& photo : bracket.shots) {
+    HDR_ASSERT(photo.size() == bracket.size());
+    if (photo.bits != response.bits) {
+      throw Error(photo.path.string() + ": has " + std::to_string(photo.bits) + "-bit codes, but the response is for " +
+                  std::to_string(response.bits) + " bits; calibrate with photographs of this depth");
+    }
+    const double exposure = photo.relative_exposure();
+    if (!(exposure > 0 && std::isfinite(exposure))) {
+      throw Error(photo.path.string() + ": its exposure is not a positive number; pass --times");
+    }
+  }
+}
+
+/// Why a shot is left out before it is looked at, or an empty string.
+std::string reason_to_leave_out(const Alignment& alignment, std::size_t shot) {
+  // Left out, a longer shot costs some noise in the shadows; a shorter one may hold the only measure of a sun.
+  constexpr double kWorstRegistration_px = 1;
+  const double residual_px = alignment.frames[shot].residual_px;
+  if (static_cast<int>(shot) <= alignment.reference || residual_px <= kWorstRegistration_px) return "";
+  return fmt::format("registered within {:.1f} px only", residual_px);
+}
+
+MergeModel model_of(const Bracket& bracket, const Alignment& alignment, const Response& response,
+                    const MergeOptions& options) {
+  const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
+  MergeModelOptions model{lossy, options.weight, options.black_level, options.noise.value_or(Noise{}), {}};
+  // The hat distrusts codes for more than their noise: an average camera is all it needs to know.
+  const bool known = options.noise.has_value() || (model.hat() && !options.uncertainty);
+  model.noise = model.hat_noise;
+  if (known) return make_merge_model(response, model);
+  std::vector<bool> left_out;
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) left_out.push_back(!reason_to_leave_out(alignment, j).empty());
+  const NoiseEstimate estimate = estimate_noise(
+      bracket, alignment.identity() ? std::vector<Mat3>{} : alignment.ref_from_photo(), response, left_out);
+  model.noise = estimate.noise;
+  // Likelihood believes the noise model; where the shots differ by more than noise, the hat's doubt is the better
+  // guide.
+  constexpr double kMostOutliers = 0.01;
+  if (model.kind == WeightKind::kAuto && estimate.outliers > kMostOutliers) model.kind = WeightKind::kHat;
+  return make_merge_model(response, model);
+}
+
+/// What the rows of one task (the k-th of every band) have added up, and its memory.
+struct Worker {
+  std::int64_t clipped = 0, dark = 0;
+  TileCount tiles;
+  LuminanceHistogram histogram;
+  MergeRowScratch scratch;
+  std::vector<WarpedRow> warped;
+  std::vector<ShotRow> shots;
+  std::vector<std::uint8_t> unmeasured;
+};
+
+/// The merge of one bracket, band by band.
+class BandMerger {
+ public:
+  BandMerger(const MergeModel& model, std::vector<std::unique_ptr<Source>> sources, const FlatField& flat, Size size)
+      : model_(model),
+        sources_(std::move(sources)),
+        flat_(flat),
+        size_(size),
+        workers_((kBandHeight + kTaskHeight - 1) / kTaskHeight) {}
+
+  void merge(int first, int last, const BandViews& views) {
+    for_rows(static_cast<int>(sources_.size()), 1,
+             [&](int shot, int) { sources_[static_cast<std::size_t>(shot)]->advance(first / kBandHeight); });
+    for_rows(last - first, kTaskHeight, [&](int from, int to) {
+      Worker& worker = workers_[static_cast<std::size_t>(from / kTaskHeight)];
+      for (int y = from; y < to; ++y) merge_one_row(first + y, y, views, worker);
+      worker.histogram.add(views.rgb.rows(from, to));
+    });
+  }
+
+  void summarize(MergeSummary& summary) const {
+    LuminanceHistogram histogram;
+    TileCount tiles;
+    for (const Worker& worker : workers_) {
+      summary.clipped += worker.clipped;
+      summary.dark += worker.dark;
+      tiles.all += worker.tiles.all;
+      tiles.skipped += worker.tiles.skipped;
+      histogram.join(worker.histogram);
+    }
+    summary.stops = histogram.stops();
+    if (tiles.all > 0) summary.skipped_tiles = static_cast<double>(tiles.skipped) / static_cast<double>(tiles.all);
+  }
+
+ private:
+  void merge_one_row(int y, int row, const BandViews& views, Worker& worker) {
+    const std::size_t samples = 3 * static_cast<std::size_t>(size_.width);
+    worker.unmeasured.resize(samples);
+    worker.warped.resize(sources_.size());
+    worker.shots.clear();
+    for (std::size_t j = 0; j < sources_.size(); ++j) {
+      ShotRow shot{sources_[j]->codes(y), nullptr, sources_[j]->exposure()};
+      if (!sources_[j]->registered()) {
+        WarpedRow& warped = worker.warped[j];
+        if (warped.level[0].empty()) warped = WarpedRow(size_.width);
+        sources_[j]->warp(y, warped);
+        shot.warped = &warped;
+      }
+      worker.shots.push_back(shot);
+    }
+    MergeRowTask task{&model_, worker.shots.data(), static_cast<int>(worker.shots.size()), size_.width};
+    task.rgb = views.rgb.row(row);
+    task.stddev = views.stddev.empty() ? nullptr : views.stddev.row(row);
+    task.unmeasured = worker.unmeasured.data();
+    const TileCount tiles = merge_row(task, worker.scratch);
+    worker.tiles.all += tiles.all;
+    worker.tiles.skipped += tiles.skipped;
+    finish_row(y, task, views.flags.empty() ? nullptr : views.flags.row(row), worker);
+  }
+
+  /// Flat field, bounds and flags.
+  void finish_row(int y, const MergeRowTask& task, std::uint8_t* flags, Worker& worker) const {
+    if (flags) std::fill_n(flags, size_.width, std::uint8_t{0});
+    for (int x = 0; x < size_.width; ++x) {
+      const std::uint8_t* unmeasured = task.unmeasured + 3 * x;
+      const bool bounded = (unmeasured[0] | unmeasured[1] | unmeasured[2]) != 0;
+      if (flat_.empty() && !bounded) continue;
+      float* rgb = task.rgb + 3 * x;
+      float* stddev = task.stddev ? task.stddev + 3 * x : nullptr;
+      const std::array<float, 3> gain = flat_.gain(x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        rgb[c] *= gain[c];
+        if (stddev) stddev[c] *= gain[c];
+      }
+      if (!bounded) continue;
+      const ResolvedPixel pixel = resolve_pixel(gather_evidence(x, y, unmeasured, rgb, gain));
+      for (std::size_t c = 0; c < 3; ++c) {
+        rgb[c] = pixel.rgb[c];
+        if (stddev && unmeasured[c]) stddev[c] = rgb[c];
+      }
+      worker.clipped += pixel.clipped;
+      worker.dark += pixel.dark;
+      if (flags) {
+        flags[x] = static_cast<std::uint8_t>((pixel.clipped ? kClippedFlag : 0) | (pixel.dark ? kDarkFlag : 0));
+      }
+    }
+  }
+
+  std::array<ChannelEvidence, 3> gather_evidence(int x, int y, const std::uint8_t* unmeasured, const float* rgb,
+                                                 const std::array<float, 3>& gain) const {
+    std::array<ChannelEvidence, 3> evidence;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!unmeasured[c]) evidence[c].measured = rgb[c];
+    }
+    // From the longest down: the first black shot gives the least upper bound, the last clipped one the largest lower.
+    for (auto source = sources_.rbegin(); source != sources_.rend(); ++source) {
+      std::array<int, 3> codes{};
+      if (!(*source)->nearest(x, y, codes)) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (!unmeasured[c]) continue;
+        const ChannelModel& channel = model_.channel[c];
+        const float unit = gain[c] * channel.saturation / (*source)->exposure();
+        if (codes[c] >= model_.clipped_code) {
+          evidence[c].at_least = std::max(evidence[c].at_least, unit);
+        } else if (codes[c] <= channel.black_code && evidence[c].at_most < 0 && bounds_the_dark(**source)) {
+          evidence[c].at_most = unit * channel.dark;
+        }
+      }
+    }
+    return evidence;
+  }
+
+  /// A shot without light anywhere (a lens cap) says nothing of this pixel; unless no shot has any.
+  bool bounds_the_dark(const Source& source) const {
+    return source.usable() ||
+           std::none_of(sources_.begin(), sources_.end(), [](const auto& other) { return other->usable(); });
+  }
+
+  const MergeModel& model_;
+  std::vector<std::unique_ptr<Source>> sources_;
+  const FlatField& flat_;
+  Size size_;
+  std::vector<Worker> workers_;
+};
+
+}  // namespace
+
+MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, const Response& response,
+                         const MergeOptions& options, const std::function<BandViews(int first, int last)>& views,
+                         const std::function<void(int first, int last)>& done) {
+  check(bracket, alignment, response);
+  const Size size = bracket.size();
+  const FlatField flat(options.flat, size);
+  const MergeModel model = model_of(bracket, alignment, response, options);
+  MergeSummary summary;
+  summary.frames.resize(bracket.shots.size());
+  summary.exposure_unit =
+      options.exposure_unit.value_or(bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure());
+  std::vector<std::unique_ptr<Source>> sources;
+  std::vector<Source*> source_of_shot(bracket.shots.size());
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
+    summary.frames[j].skipped = reason_to_leave_out(alignment, j);
+    if (!summary.frames[j].skipped.empty()) continue;
+    const Photo& photo = bracket.shots[j];
+    sources.push_back(std::make_unique<Source>(photo, alignment.frames[j].ref_from_photo, model,
+                                               photo.relative_exposure() / summary.exposure_unit, kBandHeight));
+    source_of_shot[j] = sources.back().get();
+  }
+  BandMerger merger(model, std::move(sources), flat, size);
+  for (int first = 0; first < size.height; first += kBandHeight) {
+    const int last = std::min(size.height, first + kBandHeight);
+    merger.merge(first, last, views(first, last));
+    done(first, last);
+  }
+  merger.summarize(summary);
+  bool any_used = false;
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
+    if (source_of_shot[j] == nullptr) continue;
+    summary.frames[j].skipped = source_of_shot[j]->reason_to_skip();
+    summary.frames[j].used = summary.frames[j].skipped.empty();
+    any_used = any_used || summary.frames[j].used;
+  }
+  if (any_used) return summary;
+  // Every shot is black or clipped throughout: the bounds that they give are all there is.
+  for (MergedFrame& frame : summary.frames) frame = {true, ""};
+  return summary;
+}
+
+}  // namespace hdr::internal
