@@ -28,8 +28,8 @@ struct Splines {
       values(k, 0) = sample.mean;
       for (int n = 0; n < kEmorComponents; ++n) values(k, 1 + n) = sample.components[static_cast<std::size_t>(n)];
     }
-    // The slope is continuous: h- M- + 2 (h- + h+) M + h+ M+ = 6 (rise+ / h+ - rise- / h-). The first two pieces are one
-    // cubic, and so are the last two: the responses do not straighten at their ends, as natural splines would.
+    // The slope is continuous: h- M- + 2 (h- + h+) M + h+ M+ = 6 (rise+ / h+ - rise- / h-). The first two pieces are
+    // one cubic, and so are the last two: the responses do not straighten at their ends, as natural splines would.
     Eigen::MatrixXd system = Eigen::MatrixXd::Identity(kEmorSamples, kEmorSamples);
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(kEmorSamples, 1 + kEmorComponents);
     for (int k = 1; k + 1 < kEmorSamples; ++k) {

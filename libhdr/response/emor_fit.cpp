@@ -18,9 +18,9 @@ constexpr int kPilot = 3;              ///< components of the fit that weighs th
 constexpr int kFolds = 3;              ///< the last third is held out
 constexpr double kTolerance = 1.1;     ///< of the held-out mean square: what more components must gain to be believed
 constexpr double kGrain = 1.0 / 1023;  ///< the distance of the published samples, as a share of saturation
-/// What the family cannot tell with any of these numbers of components, as a share of the largest code: half a code of
-/// 8 bits. Fitted to linear, sRGB, gamma and film curves it is wrong by about that.
-constexpr double kFamilyError = 0.002;
+/// What the family cannot tell with any of these numbers of components, as a share of the largest code: three
+/// quarters of a code of 8 bits. Fitted to linear, sRGB, gamma and film curves it is wrong by about that.
+constexpr double kFamilyError = 0.003;
 constexpr double kCodeNoise = 0.6;    ///< standard deviation of a small window's mean, in 8-bit codes
 constexpr double kLeastNoise = 0.01;  ///< ln: the light itself flickers, and shutters err
 constexpr double kOutlier = 3;        ///< standard deviations at which Cauchy's loss begins to give way

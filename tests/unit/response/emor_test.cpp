@@ -187,8 +187,8 @@ TEST_P(FitEmorTo, ComesCloseFromUniformStepsAndSaysHowClose) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cameras, FitEmorTo,
-                         testing::Values(Camera{"film", 0.02}, Camera{"srgb", 0.025}, Camera{"linear", 0.015},
-                                         Camera{"gamma:2.2", 0.03}, Camera{"gamma:1.8", 0.03}));
+                         testing::Values(Camera{"film", 0.017}, Camera{"srgb", 0.025}, Camera{"linear", 0.013},
+                                         Camera{"gamma:2.2", 0.025}, Camera{"gamma:1.8", 0.01}));
 
 TEST(FitEmor, IsNotMovedByWhatMoves) {
   const Response truth = film_response(8);
