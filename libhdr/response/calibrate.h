@@ -39,6 +39,19 @@ struct Calibration {
 Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo = {},
                                     const CalibrateOptions& options = {});
 
+/// [Robertson03]: alternates between the irradiance of each pixel and the exposure of each code, Gauss-Seidel on
+/// sum w(y_ij) (I_{y_ij} - t_j x_i)^2, with no assumption on the curve. Of `options` only `pixels` counts. Arguments
+/// and errors as above.
+Calibration calibrate_robertson(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo = {},
+                                const CalibrateOptions& options = {});
+
+/// [Mitsunaga99]: f^-1 is a polynomial of the code, of the order (up to 10) that predicts held-out points best, fitted
+/// to pairs of neighbouring shots; with `options.refine_times` in alternation with the ratios of their exposures. The
+/// channels are not scaled to each other: each is 0 at the middle code, as every Response. Arguments and errors as
+/// above.
+Calibration calibrate_mitsunaga_nayar(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo = {},
+                                      const CalibrateOptions& options = {});
+
 /// A response good enough to linearise shots that are not registered yet: the same fit on the code quantiles of
 /// the shots (histogram matching [Grossberg03] survives small shifts).
 Response provisional_response(const Bracket& bracket);
