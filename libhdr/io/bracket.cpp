@@ -180,8 +180,12 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   bracket.shots = in_parallel<Photo>(paths.size(), [&](std::size_t i) {
     return i < kept ? decoded_shot(paths[i], size) : shot_to_decode_again(headers[i], size);
   });
+  std::vector<internal::SceneThumbnail> thumbnails(paths.size());
   auto brightness = in_parallel<Brightness>(paths.size(), [&](std::size_t i) {
-    return internal::brightness_of(*rows_of(bracket.shots[i]), bracket.shots[i].max_code());
+    internal::ThumbnailRows rows(rows_of(bracket.shots[i]), bracket.shots[i].max_code());
+    const Brightness found = internal::brightness_of(rows, bracket.shots[i].max_code());
+    thumbnails[i] = rows.thumbnail();
+    return found;
   });
   if (options.exposures) {
     replace_by_list(exposures, paths, *options.exposures, options.list_format, brightness);
@@ -194,10 +198,11 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   if (!options.allow_equal_exposures) internal::require_different_exposures(bracket.shots);
   sort_by_exposure(bracket, brightness);
   internal::refuse_contradicted_times(bracket.shots, brightness);
-  internal::refuse_strangers(bracket.shots, in_parallel<internal::SceneThumbnail>(paths.size(), [&](std::size_t i) {
-                               const Photo& shot = bracket.shots[i];
-                               return internal::scene_thumbnail(*rows_of(shot), shot.max_code());
-                             }));
+  std::vector<internal::SceneThumbnail> rising(paths.size());
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    rising[static_cast<std::size_t>(bracket.input_order[i])] = std::move(thumbnails[i]);
+  }
+  internal::refuse_strangers(bracket.shots, rising);
   return bracket;
 }
 

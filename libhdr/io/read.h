@@ -1,6 +1,7 @@
 #pragma once
 // Files in. A photograph is read as codes, a map as linear light; the caller says which he wants.
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

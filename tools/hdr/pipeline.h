@@ -29,6 +29,9 @@ struct MergeInputs {
   std::optional<double> rms_log_error;  ///< of the fit; nothing when the response was given
   Alignment alignment;
   MergeOptions options;  ///< with its exposure unit
+  Image<float> flat;     ///< what options.flat views
+  ScaleFlags scale;
+  std::optional<double> white_luminance;  ///< cd/m^2 of radiance 1, as far as it is known before the merge
 };
 
 /// Reads the shots. Their codes stay in memory while they fit in what a merge may use: 2.5 times its map.

@@ -23,10 +23,11 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
   options->write.declare(app);
   return [options](Run& run) {
     const MergeInputs inputs = prepare_merge(run, options->pipeline);
-    const Merged merged = merge_shots(run, inputs);
+    Merged merged = merge_shots(run, inputs);
     answer_merge(run, inputs, merged);
     const std::string reference = run.answer["reference"];
-    const RadianceMap probe = unwrap_picture(run, merged.map, options->unwrap, MirrorBall::kName, reference);
+    RadianceMap probe = unwrap_picture(run, merged.map, options->unwrap, MirrorBall::kName, reference);
+    scale_by_lux(run, options->pipeline.scale, probe, merged.map);
     const Provenance provenance = provenance_of(run, inputs);
     run.stage("write", [&] {
       write_map(options->output, probe, provenance, options->write.options());

@@ -85,16 +85,17 @@ void require_same_terms(const ScaleFlags& flags, const MapScale& like, const Bra
                   flags.scale_like, like.exposure_terms, bracket.shots.front().path.string(), terms));
 }
 
-std::optional<double> white_luminance_of(Run& run, const ScaleFlags& flags, const MapScale& like,
-                                         const Bracket& bracket, const Merged& merged) {
+std::optional<double> known_white_luminance(const ScaleFlags& flags, const MapScale& like, const Bracket& bracket,
+                                            double exposure_unit) {
   if (flags.cd_per_unit) return flags.cd_per_unit;
-  if (!flags.patch.empty()) {
-    const Patch patch = patch_from_text(flags.patch);
-    return luminance_of_patch(patch, flags.lux) / mean_luminance(run, patch, merged.map.rgb);
-  }
-  if (flags.lux) return std::nullopt;
-  if (!flags.scale_like.empty() && like.white_luminance) return like.white_luminance;
-  return white_luminance(bracket, merged.exposure_unit);
+  if (!flags.patch.empty() || flags.lux) return std::nullopt;
+  if (like.white_luminance) return like.white_luminance;
+  return white_luminance(bracket, exposure_unit);
+}
+
+double white_luminance_of_patch(Run& run, const ScaleFlags& flags, View<const float> map) {
+  const Patch patch = patch_from_text(flags.patch);
+  return luminance_of_patch(patch, flags.lux) / mean_luminance(run, patch, map);
 }
 
 void scale_by_lux(Run& run, const ScaleFlags& flags, RadianceMap& probe, RadianceMap& map) {

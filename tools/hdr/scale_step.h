@@ -5,8 +5,8 @@
 #include <string>
 
 #include "libhdr/core/photometry.h"
+#include "libhdr/core/radiance.h"
 #include "libhdr/io/map_scale.h"
-#include "libhdr/merge/merge.h"
 #include "tools/hdr/options.h"
 #include "tools/hdr/verb.h"
 
@@ -21,10 +21,13 @@ std::string text_from_terms(const ExposureTerms& terms);
 /// Throws Error when the exposures of the two maps are made of different terms: the unit would mean two things.
 void require_same_terms(const ScaleFlags& flags, const MapScale& like, const Bracket& bracket);
 
-/// cd/m^2 of radiance 1, from the first that knows: --cd-per-unit, --patch, the map of --scale-like, the exposure
-/// formula. Nothing while --lux waits for the probe.
-std::optional<double> white_luminance_of(Run& run, const ScaleFlags& flags, const MapScale& like,
-                                         const Bracket& bracket, const Merged& merged);
+/// cd/m^2 of radiance 1 as far as it is known before the merge: from --cd-per-unit, the map of --scale-like, the
+/// exposure formula. Nothing while --patch waits for the map, or --lux for the probe.
+std::optional<double> known_white_luminance(const ScaleFlags& flags, const MapScale& like, const Bracket& bracket,
+                                            double exposure_unit);
+
+/// cd/m^2 of radiance 1 from --patch (and --lux), in the merged map. Throws Error when the patch is not in it.
+double white_luminance_of_patch(Run& run, const ScaleFlags& flags, View<const float> map);
 
 /// --lux without a patch: the horizontal irradiance of `probe` is that many lux; both maps get the white luminance.
 void scale_by_lux(Run& run, const ScaleFlags& flags, RadianceMap& probe, RadianceMap& map);

@@ -39,7 +39,7 @@ std::vector<Photo> bracket_of(const Image<float>& scene, const std::vector<doubl
 }
 
 SceneThumbnail thumbnail_of(const Photo& photo) {
-  return scene_thumbnail(*rows_of(photo), photo.max_code());
+  return ThumbnailRows(rows_of(photo), photo.max_code()).thumbnail();
 }
 
 std::string refusal(const std::vector<Photo>& shots) {
@@ -58,6 +58,19 @@ TEST(SceneCheck, RanksAgreeAcrossExposuresAndHandShake) {
   const SceneThumbnail a = thumbnail_of(photograph(scene, 0.2));
   EXPECT_GT(scene_agreement(a, thumbnail_of(photograph(scene, 0.8))).correlation, 0.97);
   EXPECT_GT(scene_agreement(a, thumbnail_of(photograph(scene, 0.8, 30, -22))).correlation, 0.9);
+}
+
+TEST(SceneCheck, TheThumbnailIsTheSameWhicheverRowsPassBy) {
+  const Photo photo = photograph(test::test_scene(400, 320, 8, 4), 0.5);
+  const SceneThumbnail alone = thumbnail_of(photo);
+  for (const int band : {1, 7, 64, 240}) {
+    ThumbnailRows rows(rows_of(photo), photo.max_code());
+    for (int first = 0; first < 240; first += 2 * band) {  // every other band
+      const CodesView view = rows.rows(first, std::min(240, first + band));
+      EXPECT_EQ(std::get<0>(view)(5, 0, 1), std::get<0>(photo.codes)(5, first, 1));
+    }
+    EXPECT_EQ(rows.thumbnail().code, alone.code) << band;
+  }
 }
 
 TEST(SceneCheck, TheStrangerIsNamedWhereverItStands) {
