@@ -28,6 +28,7 @@
 #include "libhdr/response/calibrate.h"  // calibrate_debevec_malik, provisional_response
 #include "libhdr/response/expose.h"     // expose: radiance -> photograph
 #include "libhdr/response/response.h"   // g(Z) = ln f^-1(Z), and its file
+#include "libhdr/response/response_file.h"  // the files of others, too
 
 #include "libhdr/align/align.h"  // ref_from_photo of every shot
 #include "libhdr/align/warp.h"   // a registered shot as a photograph

@@ -7,6 +7,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/response/internal/bracket_check.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
 #include "libhdr/response/internal/normal_equations.h"
@@ -18,36 +19,8 @@ namespace hdr {
 namespace {
 
 constexpr int kPoints = 1200;          ///< a channel
-constexpr int kFewestEquations = 24;   ///< below this even a smooth curve is a guess
 constexpr double kStiff = 0.1;         ///< smoothness before the data have spoken
 constexpr double kWideOutliers = 0.1;  ///< scale of the loss before the residuals are known, ln
-constexpr const char* kChannelNames[3] = {"red", "green", "blue"};
-
-void check_exposures(const Bracket& bracket) {
-  if (bracket.shots.empty()) throw Error("no shots: nothing to calibrate; name two or more photographs");
-  const std::string first = bracket.shots.front().path.string();
-  if (bracket.shots.size() == 1) {
-    throw Error(first + ": one shot alone does not determine a response; add exposures or merge with --response srgb");
-  }
-  double least = INFINITY, most = 0;
-  for (const Photo& photo : bracket.shots) {
-    const double exposure = photo.relative_exposure();
-    if (!(exposure > 0 && std::isfinite(exposure))) {
-      throw Error(photo.path.string() + ": its exposure is not a positive number; pass --times");
-    }
-    least = std::min(least, exposure);
-    most = std::max(most, exposure);
-  }
-  if (!(most > 1.001 * least)) {
-    throw Error(first +
-                ": all exposures are equal and do not determine a response; vary them or merge with --response srgb");
-  }
-}
-
-/// Equations left for g when each point's ln E is eliminated.
-std::int64_t equations(const Eigen::MatrixXd& codes) {
-  return codes.array().isFinite().count() - codes.rows();
-}
 
 /// What lies this many standard deviations from a robust fit moved, or is not what its neighbours are.
 constexpr double kOutlier = 5;
@@ -144,51 +117,6 @@ void drop_outliers(Observations& seen, const Knots& knots, const std::array<Curv
   }
 }
 
-/// Throws away what cannot determine a curve; says which codes are extrapolated.
-std::vector<std::string> check_coverage(Observations& seen, const Knots& knots, const Bracket& bracket) {
-  std::vector<std::string> warnings;
-  int determined = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (equations(seen.codes[c]) < kFewestEquations) {
-      seen.codes[c].resize(0, seen.ln_exposure.size());
-      warnings.push_back(std::string(kChannelNames[c]) +
-                         ": black or clipped nearly everywhere; its response is the mean of the other channels'");
-      continue;
-    }
-    ++determined;
-    const auto finite = seen.codes[c].array().isFinite();
-    const double lowest = finite.select(seen.codes[c].array(), INFINITY).minCoeff();
-    const double highest = finite.select(seen.codes[c].array(), -INFINITY).maxCoeff();
-    if (lowest > 0.06 * knots.max_code() || highest < 0.94 * knots.max_code()) {
-      warnings.push_back(std::string(kChannelNames[c]) + ": no two shots share codes below " +
-                         std::to_string(std::lround(lowest)) + " or above " + std::to_string(std::lround(highest)) +
-                         "; the response is extrapolated there");
-    }
-  }
-  if (determined == 0) {
-    throw Error(bracket.shots.front().path.string() +
-                ": too few pixels are neither black nor clipped in two shots to determine a response; "
-                "take exposures closer together or merge with --response srgb");
-  }
-  return warnings;
-}
-
-/// A channel without a curve of its own borrows the mean of the others.
-void borrow_curves(std::array<std::vector<double>, 3>& curves_of_channels) {
-  std::vector<double> mean;
-  double curves = 0;
-  for (const std::vector<double>& curve : curves_of_channels) {
-    if (curve.empty()) continue;
-    if (mean.empty()) mean.resize(curve.size());
-    for (std::size_t k = 0; k < curve.size(); ++k) mean[k] += curve[k];
-    ++curves;
-  }
-  for (double& value : mean) value /= curves;
-  for (std::vector<double>& curve : curves_of_channels) {
-    if (curve.empty()) curve = mean;
-  }
-}
-
 /// ln H_j as refined. Times that are labels of a camera's dial are tried as the powers of two that they stand for, too.
 /// Twice: the noise that tells outliers from errors of the times is known only when the times are.
 void refine_exposures(Observations& seen, const Bracket& bracket, const Knots& knots, double smoothness,
@@ -266,7 +194,7 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
   const Knots first_knots(seen.bits);
   Calibration result;
   for (const Photo& photo : bracket.shots) result.seconds.push_back(photo.exposure.seconds.value_or(0));
-  result.warnings = check_coverage(seen, first_knots, bracket);
+  result.warnings = check_coverage(seen, bracket);
   if (refine) refine_exposures(seen, bracket, first_knots, smoothness.value_or(kStiff), result);
   warn_of_uniform_steps(seen, result.warnings);
   drop_outliers(seen, first_knots, fit_channels(first_knots, seen, smoothness.value_or(kStiff), kWideOutliers));
@@ -306,6 +234,26 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
   check_exposures(bracket);
   return calibrate(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints), bracket,
                    options.smoothness, options.refine_times);
+}
+
+std::optional<CalibrateMethod> calibrate_method_from_name(const std::string& name) {
+  if (name == "debevec-malik") return CalibrateMethod::kDebevecMalik;
+  if (name == "robertson") return CalibrateMethod::kRobertson;
+  if (name == "mitsunaga-nayar") return CalibrateMethod::kMitsunagaNayar;
+  return std::nullopt;
+}
+
+Calibration calibrate(CalibrateMethod method, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
+                      const CalibrateOptions& options) {
+  switch (method) {
+    case CalibrateMethod::kRobertson:
+      return calibrate_robertson(bracket, ref_from_photo, options);
+    case CalibrateMethod::kMitsunagaNayar:
+      return calibrate_mitsunaga_nayar(bracket, ref_from_photo, options);
+    case CalibrateMethod::kDebevecMalik:
+      break;
+  }
+  return calibrate_debevec_malik(bracket, ref_from_photo, options);
 }
 
 Response provisional_response(const Bracket& bracket) {

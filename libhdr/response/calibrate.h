@@ -52,6 +52,15 @@ Calibration calibrate_robertson(const Bracket& bracket, const std::vector<Mat3>&
 Calibration calibrate_mitsunaga_nayar(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo = {},
                                       const CalibrateOptions& options = {});
 
+enum class CalibrateMethod { kDebevecMalik, kRobertson, kMitsunagaNayar };
+
+/// "debevec-malik", "robertson", "mitsunaga-nayar"; nullopt for any other text.
+std::optional<CalibrateMethod> calibrate_method_from_name(const std::string& name);
+
+/// One of the three.
+Calibration calibrate(CalibrateMethod method, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo = {},
+                      const CalibrateOptions& options = {});
+
 /// A response good enough to linearise shots that are not registered yet: the same fit on the code quantiles of
 /// the shots (histogram matching [Grossberg03] survives small shifts).
 Response provisional_response(const Bracket& bracket);

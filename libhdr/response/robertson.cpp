@@ -7,6 +7,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/calibrate.h"
 #include "libhdr/response/internal/bracket_check.h"
+#include "libhdr/response/internal/fill_gaps.h"
 #include "libhdr/response/internal/monotone.h"
 #include "libhdr/response/internal/sample_places.h"
 
@@ -82,35 +83,6 @@ Pixels pixels_of_channel(const Observations& seen, std::size_t channel) {
   return pixels;
 }
 
-/// I_m at every sample of the response: linear in between the codes that were seen, proportional to the code below the
-/// lowest of them, and above the highest rising on as it did over the last sixteenth of the codes.
-std::vector<double> filled(const std::vector<double>& exposure, const std::vector<double>& count) {
-  const int levels = static_cast<int>(exposure.size());
-  const auto at = [](const std::vector<double>& values, int k) { return values[static_cast<std::size_t>(k)]; };
-  std::vector<int> seen;
-  for (int k = 0; k < levels; ++k) {
-    if (at(count, k) > 0) seen.push_back(k);
-  }
-  std::vector<double> all(exposure.size());
-  std::size_t next = 0;  // the first of `seen` that is not below k
-  for (int k = 0; k <= seen.back(); ++k) {
-    while (seen[next] < k) ++next;
-    double& value = all[static_cast<std::size_t>(k)];
-    if (next == 0) {
-      value = at(exposure, seen[0]) * k / seen[0];
-    } else {
-      const double t = static_cast<double>(k - seen[next - 1]) / (seen[next] - seen[next - 1]);
-      value = (1 - t) * at(exposure, seen[next - 1]) + t * at(exposure, seen[next]);
-    }
-  }
-  const int last = seen.back(), before = std::max(seen.front(), last - levels / 16);
-  const double ratio = last > before ? std::log(at(all, last) / at(all, before)) / (last - before) : 0;
-  for (int k = last + 1; k < levels; ++k) {
-    all[static_cast<std::size_t>(k)] = at(all, last) * std::exp(std::max(0.0, ratio) * (k - last));
-  }
-  return all;
-}
-
 struct CurveEstimate {
   std::vector<double> g, deviation;
   double squares = 0, weights = 0;  ///< of w_ij [g(y_ij) - ln x_i - ln t_j]^2
@@ -126,7 +98,9 @@ class Alternation {
         exposure_(static_cast<std::size_t>(levels)),
         count_(exposure_.size()) {
     for (const Pixels::Sample& s : pixels.samples) ++count_[static_cast<std::size_t>(s.level)];
-    for (std::size_t m = 0; m < exposure_.size(); ++m) exposure_[m] = static_cast<double>(m);  // a linear camera
+    for (std::size_t m = 0; m < exposure_.size(); ++m) {
+      if (count_[m] > 0) exposure_[m] = static_cast<double>(m);  // a linear camera
+    }
     normalise();
   }
 
@@ -144,7 +118,7 @@ class Alternation {
     return false;
   }
 
-  std::vector<double> exposures() const { return filled(exposure_, count_); }
+  std::vector<double> exposures() const { return fill_gaps(exposure_); }
 
   /// Standard deviation of ln I_m: of the mean over the samples that had code m, ln; NaN where there are fewer than
   /// two.
@@ -196,7 +170,7 @@ class Alternation {
 
   /// I_middle = 1. The scale is free, and without it the objective would shrink to nothing.
   void normalise() {
-    const double middle = filled(exposure_, count_)[exposure_.size() / 2];
+    const double middle = fill_gaps(exposure_)[exposure_.size() / 2];
     for (double& value : exposure_) value /= middle;
   }
 
@@ -211,7 +185,9 @@ class Alternation {
   }
 
   const Pixels& pixels_;
-  std::vector<double> irradiance_, exposure_, count_;
+  std::vector<double> irradiance_;
+  std::vector<double> exposure_;  ///< I_m, 0 for codes that no pixel has
+  std::vector<double> count_;
 };
 
 /// Codes that no pixel had are as doubtful as their nearest neighbour, and more by how far away it is in g.

@@ -1,4 +1,5 @@
 #include "libhdr/io/output_file.h"
+#include "libhdr/response/response_file.h"
 #include "tools/hdr/pipeline.h"
 
 namespace hdr::tools {
@@ -18,9 +19,10 @@ std::function<int(Run&)> declare_calibrate(CLI::App& app) {
     const AlignMethod method = align_method(options->align);
     const Bracket bracket = read_shots(run, options->shots);
     const Alignment alignment = align_shots(run, bracket, std::nullopt, method);
-    const Calibration calibration = calibrate_shots(run, bracket, alignment, options->calibrate.options());
+    const Calibration calibration = calibrate_shots(run, bracket, alignment, options->calibrate);
     answer_calibration(run, bracket, calibration);
-    write_text(options->output, json_from_response(calibration.response, calibration.rms_log_error, calibration.deviation));
+    write_text(options->output, text_from_response(calibration.response, options->output, calibration.rms_log_error,
+                                                   calibration.deviation));
     run.say("wrote " + options->output);
     return 0;
   };

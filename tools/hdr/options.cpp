@@ -79,7 +79,7 @@ BracketOptions ShotsOptions::bracket_options() const {
 
 void CalibrateFlags::declare(CLI::App& app) {
   app.add_option("--calibrate-method,--method", method, "how the response is fitted")
-      ->check(CLI::IsMember({"debevec-malik"}))
+      ->check(CLI::IsMember({"debevec-malik", "robertson", "mitsunaga-nayar"}))
       ->capture_default_str();
   app.add_option("--smoothness", smoothness, "weight of the curve's smoothness, or auto: chosen from the data")
       ->capture_default_str();
@@ -90,6 +90,9 @@ void CalibrateFlags::declare(CLI::App& app) {
 CalibrateOptions CalibrateFlags::options() const {
   CalibrateOptions options;
   options.refine_times = refine_times;
+  if (refine_times && method == "robertson") {
+    throw CLI::ValidationError("--refine-times", "robertson takes the times as given; use another --method");
+  }
   if (smoothness != "auto") {
     options.smoothness = number_from_text(smoothness, "--smoothness");
     if (!(*options.smoothness > 0)) throw Error("--smoothness: give a positive number or auto");

@@ -8,6 +8,7 @@
 #include "libhdr/core/rows.h"
 #include "libhdr/core/version.h"
 #include "libhdr/io/output_file.h"
+#include "libhdr/response/response_file.h"
 #include "tools/hdr/flat_field.h"
 #include "tools/hdr/scale_step.h"
 
@@ -87,7 +88,7 @@ Bracket read_shots(Run& run, const ShotsOptions& options) {
 std::optional<Response> known_response(const std::string& text, int bits) {
   if (text == "fit") return std::nullopt;
   if (auto named = response_from_name(text, bits)) return named;
-  Response response = response_from_json(read_text(text), text);
+  Response response = response_from_text(read_text(text), text, bits);
   if (response.bits != bits) {
     throw Error(
         fmt::format("{}: a response for {}-bit codes, but the shots have {} bits; calibrate on shots of this camera "
@@ -114,11 +115,10 @@ Alignment align_shots(Run& run, const Bracket& bracket, const std::optional<Resp
   return alignment;
 }
 
-Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& alignment,
-                            const CalibrateOptions& options) {
+Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& alignment, const CalibrateFlags& flags) {
   Calibration calibration = run.stage("calibrate", [&] {
-    return calibrate_debevec_malik(bracket, alignment.identity() ? std::vector<Mat3>{} : alignment.ref_from_photo(),
-                                   options);
+    return calibrate(calibrate_method_from_name(flags.method).value(), bracket,
+                     alignment.identity() ? std::vector<Mat3>{} : alignment.ref_from_photo(), flags.options());
   });
   for (const std::string& warning : calibration.warnings) run.warn(warning);
   if (!calibration.converged) run.warn("the response fit did not converge; look at the curve before using it");
@@ -140,7 +140,7 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
     run.stage("calibrate", [] {});
     run.clock.skipped("the response was given");
   } else {
-    Calibration calibration = calibrate_shots(run, inputs.bracket, inputs.alignment, options.calibrate.options());
+    Calibration calibration = calibrate_shots(run, inputs.bracket, inputs.alignment, options.calibrate);
     answer_calibration(run, inputs.bracket, calibration);
     inputs.rms_log_error = calibration.rms_log_error;
     for (std::size_t k = 0; k < calibration.seconds.size(); ++k) {

@@ -42,8 +42,7 @@ std::optional<Response> known_response(const std::string& text, int bits);
 
 Alignment align_shots(Run& run, const Bracket& bracket, const std::optional<Response>& known, AlignMethod method);
 
-Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& alignment,
-                            const CalibrateOptions& options);
+Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& alignment, const CalibrateFlags& flags);
 
 /// Reads, aligns and calibrates.
 MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options);

@@ -1,5 +1,6 @@
 // The main job in one line: bracketed photographs of a mirror ball -> a light probe.
 #include "libhdr/io/output_file.h"
+#include "libhdr/response/response_file.h"
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/scale_step.h"
 #include "tools/hdr/unwrap_step.h"
@@ -34,7 +35,8 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
       if (!options->map_output.empty())
         write_map(options->map_output, merged.map, provenance, options->write.options());
       if (!options->response_output.empty()) {
-        write_text(options->response_output, json_from_response(inputs.response, inputs.rms_log_error.value_or(0)));
+        write_text(options->response_output,
+                   text_from_response(inputs.response, options->response_output, inputs.rms_log_error.value_or(0)));
       }
     });
     run.say("wrote " + options->output);
