@@ -8,12 +8,14 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/internal/bracket_check.h"
+#include "libhdr/response/internal/curve_prior.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
 #include "libhdr/response/internal/normal_equations.h"
 #include "libhdr/response/internal/observations.h"
 #include "libhdr/response/internal/refine_times.h"
 #include "libhdr/response/internal/smoothness.h"
+#include "libhdr/response/internal/top_codes.h"
 
 namespace hdr {
 namespace {
@@ -93,12 +95,13 @@ std::vector<double> deviation_at_samples(const Knots& knots, const Eigen::Vector
 }
 
 std::array<CurveFit, 3> fit_channels(const Knots& knots, const Observations& seen, double smoothness,
-                                     std::optional<double> outlier_scale = {}) {
+                                     std::optional<double> outlier_scale = {},
+                                     const std::array<Eigen::VectorXd, 3>& priors = {}) {
   std::array<CurveFit, 3> fits;
   for_rows(3, 1, [&](int first, int) {
     const auto c = static_cast<std::size_t>(first);
     if (seen.codes[c].rows() > 0)
-      fits[c] = fit_curve(knots, seen.codes[c], seen.ln_exposure, smoothness, outlier_scale);
+      fits[c] = fit_curve(knots, seen.codes[c], seen.ln_exposure, smoothness, outlier_scale, priors[c]);
   });
   return fits;
 }
@@ -149,20 +152,7 @@ void refine_exposures(Observations& seen, const Bracket& bracket, const Knots& k
   }
 }
 
-/// Exposures that are all a multiple of one large step from each other leave g ambiguous by any function of that period
-/// [Grossberg03]: smoothness decides, and one shot between would know.
-void warn_of_uniform_steps(const Observations& seen, std::vector<std::string>& warnings) {
-  constexpr double kLargeStep = 1.5, kTolerance = 0.08;  // stops
-  double step = INFINITY;
-  for (Eigen::Index j = 1; j < seen.ln_exposure.size(); ++j) {
-    const double apart = (seen.ln_exposure[j] - seen.ln_exposure[j - 1]) / std::log(2.0);
-    if (apart > kTolerance) step = std::min(step, apart);
-  }
-  if (!(step >= kLargeStep && std::isfinite(step))) return;
-  for (Eigen::Index j = 1; j < seen.ln_exposure.size(); ++j) {
-    const double steps = (seen.ln_exposure[j] - seen.ln_exposure[0]) / (std::log(2.0) * step);
-    if (std::abs(steps - std::round(steps)) * step > kTolerance) return;
-  }
+void warn_of_uniform_steps(double step, std::vector<std::string>& warnings) {
   char text[200];
   std::snprintf(text, sizeof text,
                 "all exposures are steps of %.1f EV apart, which leaves the response open to waves of that period; one "
@@ -175,10 +165,13 @@ void warn_of_uniform_steps(const Observations& seen, std::vector<std::string>& w
 /// less smooth, or when smoothness is judged with the other shoulder. The stiffest curve that the data admit is a
 /// little stiff.
 Eigen::VectorXd total_deviation(const Knots& knots, const Observations& seen, std::size_t c,
-                                const SmoothnessChoice& choice, const CurveFit& fit) {
+                                const SmoothnessChoice& choice, const CurveFit& fit, const Eigen::VectorXd& prior) {
   const NormalEquations equations_for_g(knots, seen.codes[c], seen.ln_exposure);
   const Eigen::VectorXd random = equations_for_g.deviation(choice.smoothness, fit.rms);
-  const Eigen::VectorXd systematic = (equations_for_g.solve(0.1 * choice.smoothness) - fit.g).cwiseAbs();
+  Eigen::VectorXd systematic = (equations_for_g.solve(0.1 * choice.smoothness, prior) - fit.g).cwiseAbs();
+  if (prior.size() > 0) {
+    systematic = systematic.cwiseMax((equations_for_g.solve(0.01 * choice.smoothness) - fit.g).cwiseAbs());
+  }
   // Where two curves cross, their distance says nothing: the largest among neighbours does.
   Eigen::VectorXd total(knots.count());
   const int reach = knots.count() / 32;
@@ -195,14 +188,19 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
   Calibration result;
   for (const Photo& photo : bracket.shots) result.seconds.push_back(photo.exposure.seconds.value_or(0));
   result.warnings = check_coverage(seen, bracket);
+  check_brightening(seen, bracket);
   if (refine) refine_exposures(seen, bracket, first_knots, smoothness.value_or(kStiff), result);
-  warn_of_uniform_steps(seen, result.warnings);
+  const double ambiguous = ambiguous_step(seen.ln_exposure);
+  if (ambiguous > 0) warn_of_uniform_steps(ambiguous, result.warnings);
   drop_outliers(seen, first_knots, fit_channels(first_knots, seen, smoothness.value_or(kStiff), kWideOutliers));
-  const SmoothnessChoice choice =
-      smoothness ? SmoothnessChoice{*smoothness, INFINITY} : choose_smoothness(seen.bits, seen.codes, seen.ln_exposure);
+  std::array<Eigen::VectorXd, 3> priors;
+  if (!smoothness) priors = emor_prior(first_knots, seen);
+  const SmoothnessChoice choice = smoothness ? SmoothnessChoice{*smoothness, INFINITY}
+                                             : choose_smoothness(seen.bits, seen.codes, seen.ln_exposure, priors);
   result.smoothness = choice.smoothness;
   const Knots knots(seen.bits, choice.shoulder);
-  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, choice.smoothness);
+  if (!choice.prior) priors = {};
+  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, choice.smoothness, {}, priors);
   result.converged = true;
   result.response.bits = seen.bits;
   double squares = 0, count = 0;
@@ -214,7 +212,7 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
                   ": longer exposures are not brighter in this bracket; check the times against the files");
     }
     result.deviation[c] =
-        deviation_at_samples(knots, total_deviation(knots, seen, c, choice, fits[c]), result.response);
+        deviation_at_samples(knots, total_deviation(knots, seen, c, choice, fits[c], priors[c]), result.response);
     const auto terms = static_cast<double>(seen.codes[c].array().isFinite().count());
     squares += fits[c].rms * fits[c].rms * terms;
     count += terms;
@@ -232,8 +230,10 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
 Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
                                     const CalibrateOptions& options) {
   check_exposures(bracket);
-  return calibrate(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints), bracket,
-                   options.smoothness, options.refine_times);
+  Calibration result = calibrate(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints),
+                                 bracket, options.smoothness, options.refine_times);
+  measure_top_codes(bracket, ref_from_photo, result.deviation, result.response);
+  return result;
 }
 
 std::optional<CalibrateMethod> calibrate_method_from_name(const std::string& name) {

@@ -29,13 +29,14 @@ class DataTerm final : public ceres::SizedCostFunction<1, 1, 1, 1> {
   double weight_, t_, ln_exposure_;
 };
 
-/// factor g''(u_k) from three neighbouring knots.
+/// factor (g''(u_k) - expected) from three neighbouring knots.
 class SmoothnessTerm final : public ceres::SizedCostFunction<1, 1, 1, 1> {
  public:
-  SmoothnessTerm(double below, double here, double above) : coefficient_{below, here, above} {}
+  SmoothnessTerm(const std::array<double, 3>& coefficients, double expected)
+      : coefficient_{coefficients[0], coefficients[1], coefficients[2]}, expected_(expected) {}
 
   bool Evaluate(const double* const* p, double* residual, double** jacobians) const override {
-    residual[0] = 0;
+    residual[0] = -expected_;
     for (int k = 0; k < 3; ++k) {
       residual[0] += coefficient_[k] * p[k][0];
       if (jacobians != nullptr && jacobians[k] != nullptr) jacobians[k][0] = coefficient_[k];
@@ -45,12 +46,15 @@ class SmoothnessTerm final : public ceres::SizedCostFunction<1, 1, 1, 1> {
 
  private:
   double coefficient_[3];
+  double expected_;
 };
 
-void add_smoothness(ceres::Problem& problem, const Knots& knots, double smoothness, Eigen::VectorXd& g) {
+void add_smoothness(ceres::Problem& problem, const Knots& knots, double smoothness, const Eigen::VectorXd& prior,
+                    Eigen::VectorXd& g) {
   for (int k = 1; k + 1 < knots.count(); ++k) {
     const std::array<double, 3> c = smoothness_coefficients(knots, k, smoothness);
-    problem.AddResidualBlock(new SmoothnessTerm(c[0], c[1], c[2]), nullptr, &g[k - 1], &g[k], &g[k + 1]);
+    const double expected = prior.size() == 0 ? 0 : c[0] * prior[k - 1] + c[1] * prior[k] + c[2] * prior[k + 1];
+    problem.AddResidualBlock(new SmoothnessTerm(c, expected), nullptr, &g[k - 1], &g[k], &g[k + 1]);
   }
 }
 
@@ -88,7 +92,7 @@ std::array<double, 3> smoothness_coefficients(const Knots& knots, int k, double 
 }
 
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                   double smoothness, std::optional<double> outlier_scale) {
+                   double smoothness, std::optional<double> outlier_scale, const Eigen::VectorXd& prior) {
   CurveFit fit;
   // Start from a gamma of 2.2, which most photographs resemble.
   fit.g.resize(knots.count());
@@ -112,7 +116,7 @@ CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen
     }
     ln_radiance[i] /= std::max(1, seen);
   }
-  add_smoothness(problem, knots, smoothness, fit.g);
+  add_smoothness(problem, knots, smoothness, prior, fit.g);
   problem.SetParameterBlockConstant(&fit.g[knots.middle()]);
 
   ceres::Solver::Summary summary;

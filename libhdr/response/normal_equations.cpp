@@ -62,8 +62,13 @@ Eigen::MatrixXd NormalEquations::with_smoothness(double smoothness) const {
   return matrix;
 }
 
-Eigen::VectorXd NormalEquations::solve(double smoothness) const {
+Eigen::VectorXd NormalEquations::solve(double smoothness, const Eigen::VectorXd& prior) const {
   Eigen::VectorXd right = right_;
+  for (int k = 1; prior.size() > 0 && k + 1 < knots_.count(); ++k) {
+    const std::array<double, 3> c = smoothness_coefficients(knots_, k, smoothness);
+    const double expected = c[0] * prior[k - 1] + c[1] * prior[k] + c[2] * prior[k + 1];
+    for (int p = 0; p < 3; ++p) right[k - 1 + p] += c[static_cast<std::size_t>(p)] * expected;
+  }
   right[knots_.middle()] = 0;
   return with_smoothness(smoothness).selfadjointView<Eigen::Lower>().ldlt().solve(right);
 }

@@ -5,8 +5,8 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
-#include "libhdr/core/rows.h"
 #include "libhdr/core/random.h"
+#include "libhdr/core/rows.h"
 #include "libhdr/response/internal/observations.h"
 
 namespace hdr {

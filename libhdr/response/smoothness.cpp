@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kFolds = 3;
 constexpr double kGrid[] = {1e-3, 1e-2, 1e-1, 1, 10};
-constexpr double kShoulders[] = {INFINITY, 0.25};
+/// Ways to be smooth: without a shoulder, with one, and (the last, where there is one) in the distance from the prior.
+constexpr double kShoulders[] = {INFINITY, 0.25, INFINITY};
+constexpr int kWithPrior = 2;
 constexpr double kTolerance = 1.15;
 constexpr int kShoulderCount = static_cast<int>(std::size(kShoulders));
 constexpr int kGridSize = static_cast<int>(std::size(kGrid));
@@ -33,7 +35,7 @@ struct Score {
 
 /// The scores of one channel with one shoulder, for each smoothness of the grid.
 std::array<Score, kGridSize> held_out_scores(const Knots& knots, const Eigen::MatrixXd& codes,
-                                             const Eigen::VectorXd& ln_exposure) {
+                                             const Eigen::VectorXd& ln_exposure, const Eigen::VectorXd& prior) {
   std::vector<Eigen::Index> kept, held_out;
   for (Eigen::Index i = 0; i < codes.rows(); ++i) (i % kFolds == kFolds - 1 ? held_out : kept).push_back(i);
   std::array<Score, kGridSize> scores;
@@ -41,7 +43,7 @@ std::array<Score, kGridSize> held_out_scores(const Knots& knots, const Eigen::Ma
   const NormalEquations equations(knots, codes(kept, Eigen::all), ln_exposure);
   const Eigen::MatrixXd judged = codes(held_out, Eigen::all);
   for (std::size_t k = 0; k < scores.size(); ++k) {
-    const Eigen::MatrixXd residuals = weighted_residuals(knots, equations.solve(kGrid[k]), judged, ln_exposure);
+    const Eigen::MatrixXd residuals = weighted_residuals(knots, equations.solve(kGrid[k], prior), judged, ln_exposure);
     for (const double r : residuals.reshaped()) {
       if (!std::isnan(r)) scores[k].add({1, r * r, r * r * r * r});
     }
@@ -51,12 +53,14 @@ std::array<Score, kGridSize> held_out_scores(const Knots& knots, const Eigen::Ma
 
 /// scores[shoulder * kGridSize + k], all channels together.
 std::vector<Score> cross_validate(int bits, const std::array<Eigen::MatrixXd, 3>& codes,
-                                  const Eigen::VectorXd& ln_exposure) {
+                                  const Eigen::VectorXd& ln_exposure, const std::array<Eigen::VectorXd, 3>& priors,
+                                  int ways) {
   std::array<std::array<Score, kGridSize>, 3 * kShoulderCount> parts;
-  for_rows(3 * kShoulderCount, 1, [&](int part, int) {
+  for_rows(3 * ways, 1, [&](int part, int) {
     const Knots knots(bits, kShoulders[part / 3]);
-    parts[static_cast<std::size_t>(part)] =
-        held_out_scores(knots, codes[static_cast<std::size_t>(part % 3)], ln_exposure);
+    const auto channel = static_cast<std::size_t>(part % 3);
+    parts[static_cast<std::size_t>(part)] = held_out_scores(
+        knots, codes[channel], ln_exposure, part / 3 == kWithPrior ? priors[channel] : Eigen::VectorXd{});
   });
   std::vector<Score> scores(kGridSize * kShoulderCount);
   for (std::size_t part = 0; part < parts.size(); ++part) {
@@ -68,20 +72,22 @@ std::vector<Score> cross_validate(int bits, const std::array<Eigen::MatrixXd, 3>
 }  // namespace
 
 SmoothnessChoice choose_smoothness(int bits, const std::array<Eigen::MatrixXd, 3>& codes,
-                                   const Eigen::VectorXd& ln_exposure) {
-  const std::vector<Score> scores = cross_validate(bits, codes, ln_exposure);
-  const auto best = std::min_element(scores.begin(), scores.end(),
+                                   const Eigen::VectorXd& ln_exposure, const std::array<Eigen::VectorXd, 3>& priors) {
+  const bool any_prior = priors[0].size() + priors[1].size() + priors[2].size() > 0;
+  const int ways = any_prior ? kShoulderCount : kWithPrior;
+  const std::vector<Score> scores = cross_validate(bits, codes, ln_exposure, priors, ways);
+  const auto best = std::min_element(scores.begin(), scores.begin() + ways * kGridSize,
                                      [](const Score& a, const Score& b) { return a.mean() < b.mean(); });
   const double limit = std::max(kTolerance * best->mean(), best->mean() + best->standard_error());
   // The stiffest that the data admit; of two equally stiff, the one that predicts better.
   SmoothnessChoice choice{0, INFINITY};
   double chosen_mean = INFINITY;
-  for (int setting = 0; setting < kGridSize * kShoulderCount; ++setting) {
+  for (int setting = 0; setting < kGridSize * ways; ++setting) {
     const double mean = scores[static_cast<std::size_t>(setting)].mean();
     const double smoothness = kGrid[setting % kGridSize];
     const bool stiffer = smoothness > choice.smoothness;
     if (mean > limit || !(stiffer || (smoothness == choice.smoothness && mean < chosen_mean))) continue;
-    choice = {smoothness, kShoulders[setting / kGridSize]};
+    choice = {smoothness, kShoulders[setting / kGridSize], setting / kGridSize == kWithPrior};
     chosen_mean = mean;
   }
   return choice;

@@ -17,9 +17,10 @@ struct CurveFit {
 /// Minimises, over g and ln E,
 ///   sum_ij { w(Z_ij) [g(Z_ij) - ln E_i - ln H_j] }^2 + smoothness sum_k [w(Z_k) g''(u_k)]^2 du_k,   g(middle) = 0.
 /// With `outlier_scale` the squares of the first sum give way to Cauchy's loss of that scale, and what moved or was
-/// misregistered counts little. `codes(i, j)` is NaN where shot j does not show point i.
+/// misregistered counts little. `codes(i, j)` is NaN where shot j does not show point i. With a `prior` (g at
+/// the knots, curve_prior.h) it is (g - prior)'' that is smooth.
 CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                   double smoothness, std::optional<double> outlier_scale = {});
+                   double smoothness, std::optional<double> outlier_scale = {}, const Eigen::VectorXd& prior = {});
 
 /// w(Z): the hat of [Debevec97] eq. 4, 1 in the middle; a little is left at the ends for the smoothness term.
 double hat_weight(double code, double max_code);

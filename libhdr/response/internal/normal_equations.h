@@ -13,8 +13,8 @@ class NormalEquations {
   /// Of the points `codes.row(i)`, as fit_curve takes them.
   NormalEquations(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure);
 
-  /// g at the knots, 0 at the middle one.
-  Eigen::VectorXd solve(double smoothness) const;
+  /// g at the knots, 0 at the middle one. `prior` as fit_curve takes it.
+  Eigen::VectorXd solve(double smoothness, const Eigen::VectorXd& prior = {}) const;
 
   /// Standard deviation of g at each knot when the weighted residuals have the root mean square `rms`; 0 at the middle.
   /// With the smoothness as the prior that it is, codes that no two shots share have large ones.
