@@ -16,16 +16,20 @@
 #include "libhdr/core/image.h"      // Image owns, View borrows
 #include "libhdr/core/parallel.h"   // set_threads, for_rows, reduce_rows
 #include "libhdr/core/photo.h"      // Photo: codes; Bracket
+#include "libhdr/core/photometry.h"  // cd/m^2 from the exposure
 #include "libhdr/core/radiance.h"   // RadianceMap: linear light; Provenance
+#include "libhdr/core/rows.h"       // pictures as rows that pass by
 #include "libhdr/core/sphere.h"     // axes and pixel conventions, once
 #include "libhdr/core/version.h"
 
 #include "libhdr/io/bracket.h"        // read_bracket: SHOTS with their exposures
 #include "libhdr/io/exposure_list.h"  // exposures from a text file
+#include "libhdr/io/map_scale.h"      // the unit of a map that was written
 #include "libhdr/io/read.h"           // read_photo, read_map, read_info
 #include "libhdr/io/write.h"          // write_map, write_picture, write_photo
 
 #include "libhdr/response/calibrate.h"  // calibrate_debevec_malik, provisional_response
+#include "libhdr/response/estimate_noise.h"  // the camera's noise, from the bracket
 #include "libhdr/response/expose.h"     // expose: radiance -> photograph
 #include "libhdr/response/response.h"   // g(Z) = ln f^-1(Z), and its file
 #include "libhdr/response/response_file.h"  // the files of others, too
@@ -44,6 +48,7 @@
 #include "libhdr/probe/unwrap.h"      // from one projection to another
 
 #include "libhdr/light/environment.h"  // sample / pdf / invert
+#include "libhdr/light/horizontal_irradiance.h"  // what a lux meter would read
 #include "libhdr/light/sh.h"           // project, irradiance
 
 #include "libhdr/render/render.h"  // a picture of a scene lit by a probe
