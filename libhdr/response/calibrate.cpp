@@ -7,10 +7,12 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/internal/bracket_check.h"
 #include "libhdr/response/internal/curve_prior.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
+#include "libhdr/response/internal/noise_bias.h"
 #include "libhdr/response/internal/normal_equations.h"
 #include "libhdr/response/internal/observations.h"
 #include "libhdr/response/internal/refine_times.h"
@@ -183,9 +185,17 @@ Eigen::VectorXd total_deviation(const Knots& knots, const Observations& seen, st
   return total;
 }
 
-Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<double> smoothness, bool refine) {
+/// What is to be fitted, and how smooth.
+struct CurveProblem {
+  Observations seen;
+  Knots knots;
+  SmoothnessChoice choice;
+  std::array<Eigen::VectorXd, 3> priors;
+};
+
+CurveProblem pose(Observations seen, const Bracket& bracket, std::optional<double> smoothness, bool refine,
+                  Calibration& result) {
   const Knots first_knots(seen.bits);
-  Calibration result;
   for (const Photo& photo : bracket.shots) result.seconds.push_back(photo.exposure.seconds.value_or(0));
   result.warnings = check_coverage(seen, bracket);
   check_brightening(seen, bracket);
@@ -197,22 +207,30 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
   if (!smoothness) priors = emor_prior(first_knots, seen);
   const SmoothnessChoice choice = smoothness ? SmoothnessChoice{*smoothness, INFINITY}
                                              : choose_smoothness(seen.bits, seen.codes, seen.ln_exposure, priors);
-  result.smoothness = choice.smoothness;
-  const Knots knots(seen.bits, choice.shoulder);
   if (!choice.prior) priors = {};
-  const std::array<CurveFit, 3> fits = fit_channels(knots, seen, choice.smoothness, {}, priors);
+  const Knots knots(seen.bits, choice.shoulder);
+  return {std::move(seen), knots, choice, std::move(priors)};
+}
+
+void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& result) {
+  const Observations& seen = problem.seen;
+  const std::array<CurveFit, 3> fits = fit_channels(problem.knots, seen, problem.choice.smoothness, {}, problem.priors);
+  result.smoothness = problem.choice.smoothness;
   result.converged = true;
+  result.pixels = 0;
+  result.response = {};
+  result.deviation = {};
   result.response.bits = seen.bits;
   double squares = 0, count = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (seen.codes[c].rows() == 0) continue;
-    result.response.g[c] = curve_from_fit(knots, fits[c].g, seen.bits, seen.black_level[c]);
+    result.response.g[c] = curve_from_fit(problem.knots, fits[c].g, seen.bits, seen.black_level[c]);
     if (!(result.response.g[c].back() > result.response.g[c].front() + 0.1)) {
       throw Error(bracket.shots.front().path.string() +
                   ": longer exposures are not brighter in this bracket; check the times against the files");
     }
-    result.deviation[c] =
-        deviation_at_samples(knots, total_deviation(knots, seen, c, choice, fits[c], priors[c]), result.response);
+    const Eigen::VectorXd doubt = total_deviation(problem.knots, seen, c, problem.choice, fits[c], problem.priors[c]);
+    result.deviation[c] = deviation_at_samples(problem.knots, doubt, result.response);
     const auto terms = static_cast<double>(seen.codes[c].array().isFinite().count());
     squares += fits[c].rms * fits[c].rms * terms;
     count += terms;
@@ -222,7 +240,18 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
   result.rms_log_error = std::sqrt(squares / count);
   borrow_curves(result.response.g);
   borrow_curves(result.deviation);
-  return result;
+}
+
+/// Fits again with codes as they would be without noise, which needs a curve to be told; twice, since the first curve
+/// is off where noise is large.
+void solve_without_noise_bias(CurveProblem& problem, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
+                              Calibration& result) {
+  const Noise noise = estimate_noise(bracket, ref_from_photo, result.response).noise;
+  const Observations observed = problem.seen;
+  for (int pass = 0; pass < 2; ++pass) {
+    problem.seen = without_noise_bias(observed, result.response, noise);
+    solve(problem, bracket, result);
+  }
 }
 
 }  // namespace
@@ -230,8 +259,13 @@ Calibration calibrate(Observations seen, const Bracket& bracket, std::optional<d
 Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
                                     const CalibrateOptions& options) {
   check_exposures(bracket);
-  Calibration result = calibrate(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints),
-                                 bracket, options.smoothness, options.refine_times);
+  Calibration result;
+  CurveProblem problem = pose(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints),
+                              bracket, options.smoothness, options.refine_times, result);
+  solve(problem, bracket, result);
+  // Compression averages noise away before it can be told from its own; and noise is measured with the times as given.
+  const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
+  if (!lossy && !options.refine_times) solve_without_noise_bias(problem, bracket, ref_from_photo, result);
   measure_top_codes(bracket, ref_from_photo, result.deviation, result.response);
   return result;
 }
@@ -258,7 +292,9 @@ Calibration calibrate(CalibrateMethod method, const Bracket& bracket, const std:
 
 Response provisional_response(const Bracket& bracket) {
   check_exposures(bracket);
-  return calibrate(match_quantiles(bracket), bracket, kStiff, false).response;
+  Calibration result;
+  solve(pose(match_quantiles(bracket), bracket, kStiff, false, result), bracket, result);
+  return std::move(result.response);
 }
 
 }  // namespace hdr
