@@ -9,6 +9,7 @@
 #include "libhdr/core/photo.h"
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/rows.h"
+#include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/noise.h"
 #include "libhdr/response/response.h"
 
@@ -25,8 +26,9 @@ enum class WeightKind { kAuto, kHat, kVariance };
 struct MergeOptions {
   WeightKind weight = WeightKind::kAuto;
   std::optional<Noise> noise;  ///< absent: estimated from the bracket (response/estimate_noise.h) where it is needed
-  bool uncertainty = false;    ///< standard deviation and flags of every pixel
-  std::optional<double> exposure_unit;  ///< absent: that of the bracket's middle shot
+  std::optional<NoiseEstimate> noise_estimate;  ///< of this bracket, where calibrating made one: saves making it again
+  bool uncertainty = false;                     ///< standard deviation and flags of every pixel
+  std::optional<double> exposure_unit;          ///< absent: that of the bracket's middle shot
   std::optional<double> black_level;  ///< code that means no light, subtracted in linear light; absent: the response's
   View<const float> flat;  ///< flat field, 3 channels, the map's size: what a uniform scene gave; empty: none
 };

@@ -56,8 +56,9 @@ MergeModel model_of(const Bracket& bracket, const Alignment& alignment, const Re
   if (known) return make_merge_model(response, model);
   std::vector<bool> left_out;
   for (std::size_t j = 0; j < bracket.shots.size(); ++j) left_out.push_back(!reason_to_leave_out(alignment, j).empty());
-  const NoiseEstimate estimate = estimate_noise(
-      bracket, alignment.identity() ? std::vector<Mat3>{} : alignment.ref_from_photo(), response, left_out);
+  const auto ref_from_photo = alignment.identity() ? std::vector<Mat3>{} : alignment.ref_from_photo();
+  const NoiseEstimate estimate =
+      options.noise_estimate ? *options.noise_estimate : estimate_noise(bracket, ref_from_photo, response, left_out);
   model.noise = estimate.noise;
   // Likelihood believes the noise model; where the shots differ by more than noise, the hat's doubt is the better
   // guide.

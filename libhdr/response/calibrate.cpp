@@ -246,10 +246,10 @@ void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& res
 /// is off where noise is large.
 void solve_without_noise_bias(CurveProblem& problem, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
                               Calibration& result) {
-  const Noise noise = estimate_noise(bracket, ref_from_photo, result.response).noise;
+  result.noise = estimate_noise(bracket, ref_from_photo, result.response);
   const Observations observed = problem.seen;
   for (int pass = 0; pass < 2; ++pass) {
-    problem.seen = without_noise_bias(observed, result.response, noise);
+    problem.seen = without_noise_bias(observed, result.response, result.noise->noise);
     solve(problem, bracket, result);
   }
 }

@@ -7,6 +7,7 @@
 
 #include "libhdr/core/photo.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/response.h"
 
 namespace hdr {
@@ -30,6 +31,8 @@ struct Calibration {
   std::array<std::vector<double>, 3> deviation;
   /// Seconds of each shot as refined, in the order of Bracket::shots; as given when that was not asked for.
   std::vector<double> seconds;
+  /// Of the shots, where the fit needed it (lossless ones): merging need not measure it again.
+  std::optional<NoiseEstimate> noise;
   std::vector<std::string> warnings;  ///< e.g. codes that no pixel reached
 };
 

@@ -74,8 +74,8 @@ TEST(Memorial, FittedAndMergedIsCloseToTheAuthorsMap) {
 
   const std::vector<double> errors = log2_errors(merged.map.rgb, truth.map.rgb, outside(bracket));
   ASSERT_GT(errors.size(), 1000000u) << "nearly all of the 512 x 768 pixels are compared";
-  EXPECT_LE(errors[errors.size() / 2], 0.045);
-  EXPECT_LE(errors[errors.size() * 99 / 100], 0.55);
+  EXPECT_LE(errors[errors.size() / 2], 0.040);
+  EXPECT_LE(errors[errors.size() * 99 / 100], 0.45);
   for (int c = 0; c < 3; ++c) {
     EXPECT_GT(calibration.response.black_code(c), 8) << "the film's black is far above code 0, channel " << c;
   }

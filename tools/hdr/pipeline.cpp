@@ -135,6 +135,7 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   require_same_terms(options.scale, like, inputs.bracket);
   const std::optional<Response> known = known_response(options.merge.response, inputs.bracket.bits());
   inputs.alignment = align_shots(run, inputs.bracket, known, method);
+  inputs.options = options.merge.options();
   if (known) {
     inputs.response = *known;
     run.stage("calibrate", [] {});
@@ -146,9 +147,9 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
     for (std::size_t k = 0; k < calibration.seconds.size(); ++k) {
       inputs.bracket.shots[k].exposure.seconds = calibration.seconds[k];  // as refined
     }
+    inputs.options.noise_estimate = calibration.noise;
     inputs.response = std::move(calibration.response);
   }
-  inputs.options = options.merge.options();
   inputs.flat = read_flat_field(run, options.merge.flat, inputs.response, inputs.bracket.size());
   inputs.options.flat = inputs.flat;
   inputs.options.exposure_unit = like.exposure_unit;
