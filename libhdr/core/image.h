@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "libhdr/core/error.h"
+#include "libhdr/core/pixel_memory.h"
 
 namespace hdr {
 
@@ -62,7 +63,8 @@ class Image {
   static constexpr std::size_t kAlignment = 64;
 
   Image() = default;
-  Image(int width, int height, int channels) : view_(allocate(width, height, channels)), owned_(view_.data()) {}
+  Image(int width, int height, int channels)
+      : view_(allocate(width, height, channels)), owned_(view_.data(), Free{bytes_of(height, view_.stride())}) {}
   Image(Size size, int channels) : Image(size.width, size.height, channels) {}
 
   Image(Image&& other) noexcept : view_(other.view_), owned_(std::move(other.owned_)) { other.view_ = {}; }
@@ -101,18 +103,20 @@ class Image {
 
  private:
   struct Free {
-    void operator()(T* p) const { ::operator delete[](p, std::align_val_t{kAlignment}); }
+    std::size_t bytes = 0;
+    void operator()(T* p) const { free_pixels(p, bytes); }
   };
+
+  static std::size_t bytes_of(int height, std::ptrdiff_t stride) {
+    return static_cast<std::size_t>(stride) * static_cast<std::size_t>(height) * sizeof(T);
+  }
 
   static View<T> allocate(int width, int height, int channels) {
     HDR_ASSERT(width >= 0 && height >= 0 && channels >= 0);
     const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(kAlignment / sizeof(T) == 0 ? 1 : kAlignment / sizeof(T));
     const std::ptrdiff_t samples = static_cast<std::ptrdiff_t>(width) * channels;
     const std::ptrdiff_t stride = (samples + step - 1) / step * step;
-    const std::size_t bytes = static_cast<std::size_t>(stride) * static_cast<std::size_t>(height) * sizeof(T);
-    if (bytes == 0) return {nullptr, width, height, channels, stride};
-    T* data = static_cast<T*>(::operator new[](bytes, std::align_val_t{kAlignment}));
-    std::memset(static_cast<void*>(data), 0, bytes);
+    T* data = static_cast<T*>(allocate_pixels(bytes_of(height, stride)));
     return {data, width, height, channels, stride};
   }
 
