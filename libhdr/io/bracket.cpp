@@ -46,11 +46,14 @@ std::vector<T> in_parallel(std::size_t count, const Work& work) {
   return results;
 }
 
-/// How many shots keep their codes.
-std::size_t shots_kept(const std::vector<PhotoHeader>& headers, std::optional<double> code_bytes_a_pixel) {
+/// How many shots keep their codes. What is less than the libraries that reading a picture loads is not worth a
+/// thought.
+std::size_t shots_kept(const std::vector<PhotoHeader>& headers, Size size, std::optional<double> code_bytes_a_pixel) {
+  constexpr double kSmall = 64 << 20;
   const double all = static_cast<double>(headers.size());
   const double shot = headers.front().bits <= 8 ? 3 : 6;
   if (!code_bytes_a_pixel || all * shot <= *code_bytes_a_pixel) return headers.size();
+  if (all * shot * size.width * size.height <= kSmall) return headers.size();
   return static_cast<std::size_t>(std::max(0.0, 0.5 * *code_bytes_a_pixel / shot));
 }
 
@@ -176,7 +179,7 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   replace_times(exposures, paths, options.times);
   if (!options.exposures) require_times(exposures, paths);  // before anything is decoded
 
-  const std::size_t kept = shots_kept(headers, options.code_bytes_a_pixel);
+  const std::size_t kept = shots_kept(headers, size, options.code_bytes_a_pixel);
   bracket.shots = in_parallel<Photo>(paths.size(), [&](std::size_t i) {
     return i < kept ? decoded_shot(paths[i], size) : shot_to_decode_again(headers[i], size);
   });
