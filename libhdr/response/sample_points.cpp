@@ -14,7 +14,11 @@ namespace {
 
 constexpr int kCandidates = 20000;  ///< places looked at
 constexpr int kBins = 64;           ///< of brightness, from which points are drawn equally
-constexpr int kRegions = 4;         ///< the picture's 4x4 regions share a bin
+/// Of a window's range of codes, between its mean and white. Up to .6 the means of noisy windows at code 240 are still
+/// a code low, and more than 1 leaves few of them.
+constexpr double kHeadroom = 0.8;
+
+constexpr int kRegions = 4;  ///< the picture's 4x4 regions share a bin
 
 struct Candidate {
   double x, y;  ///< on the reference grid
@@ -179,7 +183,10 @@ Eigen::MatrixXd channel_codes(const std::vector<WindowCodes>& windows, const std
       sum += window.mean;
       ++count;
       // The mean decides, so that noise does not: only a window that touches black or white says less than it seems.
-      if (window.smallest < 1 || window.largest > clean_white || !usable.contains(window.mean)) continue;
+      // By the range, not by the largest code: that would take of the windows near white those whose noise is low.
+      const double range = window.largest - window.smallest;
+      if (window.smallest < 1 || window.mean + kHeadroom * range > clean_white || !usable.contains(window.mean))
+        continue;
       if (window.mean <= clear_of_black) continue;
       code = window.mean;
       roughness = std::max(roughness, static_cast<double>(window.largest - window.smallest));
