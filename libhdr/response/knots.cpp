@@ -6,7 +6,7 @@
 namespace hdr {
 Knots::Knots(int bits, double shoulder) : max_code_(std::ldexp(1.0, bits) - 1), pole_((1 + shoulder) * max_code_) {
   if (bits <= 8) {
-    toe_ = 0.5;
+    toe_ = 0.05;  // only so that code 0 has a place: dark codes of most cameras follow a power of the light
     middle_ = 1 << (bits - 1);
     for (int code = 0; code <= static_cast<int>(max_code_); ++code) codes_.push_back(code);
   } else {
