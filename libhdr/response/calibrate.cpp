@@ -9,9 +9,11 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/internal/bracket_check.h"
+#include "libhdr/response/internal/code_weights.h"
 #include "libhdr/response/internal/curve_prior.h"
 #include "libhdr/response/internal/debevec_malik.h"
 #include "libhdr/response/internal/knots.h"
+#include "libhdr/response/internal/monotone.h"
 #include "libhdr/response/internal/noise_bias.h"
 #include "libhdr/response/internal/normal_equations.h"
 #include "libhdr/response/internal/observations.h"
@@ -24,10 +26,13 @@ namespace {
 
 constexpr int kPoints = 1200;          ///< a channel
 constexpr double kStiff = 0.1;         ///< smoothness before the data have spoken
+constexpr double kFirstCurve = 1;      ///< smoothness of the curve by which noise is measured
 constexpr double kWideOutliers = 0.1;  ///< scale of the loss before the residuals are known, ln
 
 /// What lies this many standard deviations from a robust fit moved, or is not what its neighbours are.
 constexpr double kOutlier = 5;
+
+using Weights = std::array<CodeWeights, 3>;
 
 /// Robust standard deviation of all residuals: 1.4826 x the median of their sizes.
 double residual_scale(const std::array<Eigen::MatrixXd, 3>& residuals) {
@@ -40,29 +45,6 @@ double residual_scale(const std::array<Eigen::MatrixXd, 3>& residuals) {
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
   return 1.4826 * *middle;
-}
-
-/// The nearest nondecreasing sequence (pool adjacent violators).
-void make_nondecreasing(std::vector<double>& values) {
-  struct Block {
-    double mean;
-    std::size_t count;
-  };
-  std::vector<Block> blocks;
-  for (const double value : values) {
-    blocks.push_back({value, 1});
-    while (blocks.size() > 1 && blocks[blocks.size() - 2].mean > blocks.back().mean) {
-      const Block last = blocks.back();
-      blocks.pop_back();
-      Block& pooled = blocks.back();
-      const std::size_t count = pooled.count + last.count;
-      pooled.mean = (pooled.mean * static_cast<double>(pooled.count) + last.mean * static_cast<double>(last.count)) /
-                    static_cast<double>(count);
-      pooled.count = count;
-    }
-  }
-  auto out = values.begin();
-  for (const Block& block : blocks) out = std::fill_n(out, block.count, block.mean);
 }
 
 std::vector<double> curve_from_fit(const Knots& knots, const Eigen::VectorXd& g, int bits, double black_level) {
@@ -96,23 +78,25 @@ std::vector<double> deviation_at_samples(const Knots& knots, const Eigen::Vector
   return at_samples;
 }
 
-std::array<CurveFit, 3> fit_channels(const Knots& knots, const Observations& seen, double smoothness,
-                                     std::optional<double> outlier_scale = {},
+std::array<CurveFit, 3> fit_channels(const Knots& knots, const Weights& weights, const Observations& seen,
+                                     double smoothness, std::optional<double> outlier_scale = {},
                                      const std::array<Eigen::VectorXd, 3>& priors = {}) {
   std::array<CurveFit, 3> fits;
   for_rows(3, 1, [&](int first, int) {
     const auto c = static_cast<std::size_t>(first);
     if (seen.codes[c].rows() > 0)
-      fits[c] = fit_curve(knots, seen.codes[c], seen.ln_exposure, smoothness, outlier_scale, priors[c]);
+      fits[c] = fit_curve(knots, weights[c], seen.codes[c], seen.ln_exposure, smoothness, outlier_scale, priors[c]);
   });
   return fits;
 }
 
 /// The spread of the residuals of a robust fit tells outliers from noise; without them plain least squares will do.
-void drop_outliers(Observations& seen, const Knots& knots, const std::array<CurveFit, 3>& fits) {
+void drop_outliers(Observations& seen, const Knots& knots, const Weights& weights,
+                   const std::array<CurveFit, 3>& fits) {
   std::array<Eigen::MatrixXd, 3> residuals;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (seen.codes[c].rows() > 0) residuals[c] = weighted_residuals(knots, fits[c].g, seen.codes[c], seen.ln_exposure);
+    if (seen.codes[c].rows() > 0)
+      residuals[c] = weighted_residuals(knots, weights[c], fits[c].g, seen.codes[c], seen.ln_exposure);
   }
   const double limit = std::max(1e-6, kOutlier * residual_scale(residuals));
   for (std::size_t c = 0; c < 3; ++c) {
@@ -166,9 +150,9 @@ void warn_of_uniform_steps(double step, std::vector<std::string>& warnings) {
 /// The noise of the points, and what the choice of a smoothness is worth: how far the curve moves when it is ten times
 /// less smooth, or when smoothness is judged with the other shoulder. The stiffest curve that the data admit is a
 /// little stiff.
-Eigen::VectorXd total_deviation(const Knots& knots, const Observations& seen, std::size_t c,
+Eigen::VectorXd total_deviation(const Knots& knots, const CodeWeights& weights, const Observations& seen, std::size_t c,
                                 const SmoothnessChoice& choice, const CurveFit& fit, const Eigen::VectorXd& prior) {
-  const NormalEquations equations_for_g(knots, seen.codes[c], seen.ln_exposure);
+  const NormalEquations equations_for_g(knots, weights, seen.codes[c], seen.ln_exposure);
   const Eigen::VectorXd random = equations_for_g.deviation(choice.smoothness, fit.rms);
   Eigen::VectorXd systematic = (equations_for_g.solve(0.1 * choice.smoothness, prior) - fit.g).cwiseAbs();
   if (prior.size() > 0) {
@@ -188,11 +172,13 @@ Eigen::VectorXd total_deviation(const Knots& knots, const Observations& seen, st
 /// What is to be fitted, and how smooth.
 struct CurveProblem {
   Observations seen;
+  Weights weights;
   Knots knots;
   SmoothnessChoice choice;
   std::array<Eigen::VectorXd, 3> priors;
 };
 
+/// The hat's weights and a smoothness that is not chosen yet.
 CurveProblem pose(Observations seen, const Bracket& bracket, std::optional<double> smoothness, bool refine,
                   Calibration& result) {
   const Knots first_knots(seen.bits);
@@ -202,19 +188,26 @@ CurveProblem pose(Observations seen, const Bracket& bracket, std::optional<doubl
   if (refine) refine_exposures(seen, bracket, first_knots, smoothness.value_or(kStiff), result);
   const double ambiguous = ambiguous_step(seen.ln_exposure);
   if (ambiguous > 0) warn_of_uniform_steps(ambiguous, result.warnings);
-  drop_outliers(seen, first_knots, fit_channels(first_knots, seen, smoothness.value_or(kStiff), kWideOutliers));
-  std::array<Eigen::VectorXd, 3> priors;
-  if (!smoothness) priors = emor_prior(first_knots, seen);
-  const SmoothnessChoice choice = smoothness ? SmoothnessChoice{*smoothness, INFINITY}
-                                             : choose_smoothness(seen.bits, seen.codes, seen.ln_exposure, priors);
-  if (!choice.prior) priors = {};
-  const Knots knots(seen.bits, choice.shoulder);
-  return {std::move(seen), knots, choice, std::move(priors)};
+  const CodeWeights hat = CodeWeights::hat(seen.bits);
+  const Weights weights{hat, hat, hat};
+  drop_outliers(seen, first_knots, weights,
+                fit_channels(first_knots, weights, seen, smoothness.value_or(kStiff), kWideOutliers));
+  return {std::move(seen), weights, first_knots, {smoothness.value_or(kFirstCurve), INFINITY}, {}};
+}
+
+/// From the data: how smooth, and with what prior.
+void choose(CurveProblem& problem) {
+  const Observations& seen = problem.seen;
+  problem.priors = emor_prior(Knots(seen.bits), seen);
+  problem.choice = choose_smoothness(seen.bits, problem.weights, seen.codes, seen.ln_exposure, problem.priors);
+  if (!problem.choice.prior) problem.priors = {};
+  problem.knots = Knots(seen.bits, problem.choice.shoulder);
 }
 
 void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& result) {
   const Observations& seen = problem.seen;
-  const std::array<CurveFit, 3> fits = fit_channels(problem.knots, seen, problem.choice.smoothness, {}, problem.priors);
+  const std::array<CurveFit, 3> fits =
+      fit_channels(problem.knots, problem.weights, seen, problem.choice.smoothness, {}, problem.priors);
   result.smoothness = problem.choice.smoothness;
   result.converged = true;
   result.pixels = 0;
@@ -229,7 +222,8 @@ void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& res
       throw Error(bracket.shots.front().path.string() +
                   ": longer exposures are not brighter in this bracket; check the times against the files");
     }
-    const Eigen::VectorXd doubt = total_deviation(problem.knots, seen, c, problem.choice, fits[c], problem.priors[c]);
+    const Eigen::VectorXd doubt =
+        total_deviation(problem.knots, problem.weights[c], seen, c, problem.choice, fits[c], problem.priors[c]);
     result.deviation[c] = deviation_at_samples(problem.knots, doubt, result.response);
     const auto terms = static_cast<double>(seen.codes[c].array().isFinite().count());
     squares += fits[c].rms * fits[c].rms * terms;
@@ -242,16 +236,26 @@ void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& res
   borrow_curves(result.deviation);
 }
 
-/// Fits again with codes as they would be without noise, which needs a curve to be told; twice, since the first curve
-/// is off where noise is large.
-void solve_without_noise_bias(CurveProblem& problem, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
-                              Calibration& result) {
-  result.noise = estimate_noise(bracket, ref_from_photo, result.response);
+/// Weighs the codes by the noise that the shots show, which needs a curve to be told, and fits again. Lossless shots
+/// also lose the bias of their noise, twice, since the first curve is off where noise is large; compression averages
+/// noise away before it can be told from its own.
+void solve_with_noise(CurveProblem& problem, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
+                      bool choose_smoothness, Calibration& result) {
+  const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
+  const Eigen::VectorXd exposures = problem.seen.ln_exposure.array().exp();
+  const NoiseEstimate estimate =
+      estimate_noise(bracket, ref_from_photo, result.response, {}, {exposures.begin(), exposures.end()});
   const Observations observed = problem.seen;
-  for (int pass = 0; pass < 2; ++pass) {
-    problem.seen = without_noise_bias(observed, result.response, result.noise->noise);
+  for (int pass = 0; pass < (lossy ? 1 : 2); ++pass) {
+    if (!lossy) problem.seen = without_noise_bias(observed, result.response, estimate.noise);
+    for (std::size_t c = 0; c < 3; ++c) {
+      problem.weights[c] =
+          CodeWeights::from_noise(result.response, static_cast<int>(c), estimate.noise[c], problem.seen.codes[c]);
+    }
+    if (choose_smoothness) choose(problem);
     solve(problem, bracket, result);
   }
+  if (!lossy) result.noise = estimate;
 }
 
 }  // namespace
@@ -263,10 +267,8 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
   CurveProblem problem = pose(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints),
                               bracket, options.smoothness, options.refine_times, result);
   solve(problem, bracket, result);
-  // Compression averages noise away before it can be told from its own; and noise is measured with the times as given.
-  const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
-  if (!lossy && !options.refine_times) solve_without_noise_bias(problem, bracket, ref_from_photo, result);
-  measure_top_codes(bracket, ref_from_photo, result.deviation, result.response);
+  solve_with_noise(problem, bracket, ref_from_photo, !options.smoothness, result);
+  measure_top_codes(bracket, problem.seen.ln_exposure, ref_from_photo, result.deviation, result.response);
   return result;
 }
 

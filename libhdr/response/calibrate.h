@@ -36,7 +36,8 @@ struct Calibration {
   std::vector<std::string> warnings;  ///< e.g. codes that no pixel reached
 };
 
-/// [Debevec97] eq. 3: weights, smoothness, g(2^(bits-1)) = 0, solved in Ceres. `ref_from_photo[k]` maps pixels (centres
+/// [Debevec97] eq. 3 in Ceres, g(2^(bits-1)) = 0: first with the hat's weights, then with those of the noise that this
+/// curve shows in the shots. `ref_from_photo[k]` maps pixels (centres
 /// at integers) of shot k to the common grid; empty means registered. Throws Error when the bracket cannot determine a
 /// response: one shot, equal exposures, no pixel that is neither black nor clipped in two shots.
 Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo = {},

@@ -80,10 +80,6 @@ ceres::Solver::Options solver_options(const Eigen::VectorXd& ln_radiance, const 
 
 }  // namespace
 
-double hat_weight(double code, double max_code) {
-  return std::max(0.02, std::min(code, max_code - code) / (0.5 * max_code));
-}
-
 std::array<double, 3> smoothness_coefficients(const Knots& knots, int k, double smoothness) {
   const double left = knots.u(k) - knots.u(k - 1), right = knots.u(k + 1) - knots.u(k);
   const double du = 0.5 * (left + right);
@@ -91,8 +87,9 @@ std::array<double, 3> smoothness_coefficients(const Knots& knots, int k, double 
   return {factor / left, -factor * (1 / left + 1 / right), factor / right};
 }
 
-CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure,
-                   double smoothness, std::optional<double> outlier_scale, const Eigen::VectorXd& prior) {
+CurveFit fit_curve(const Knots& knots, const CodeWeights& weights, const Eigen::MatrixXd& codes,
+                   const Eigen::VectorXd& ln_exposure, double smoothness, std::optional<double> outlier_scale,
+                   const Eigen::VectorXd& prior) {
   CurveFit fit;
   // Start from a gamma of 2.2, which most photographs resemble.
   fit.g.resize(knots.count());
@@ -111,8 +108,8 @@ CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen
       const Knots::Place place = knots.place(codes(i, j));
       ln_radiance[i] += (1 - place.t) * fit.g[place.knot] + place.t * fit.g[place.knot + 1] - ln_exposure[j];
       ++seen;
-      problem.AddResidualBlock(new DataTerm(hat_weight(codes(i, j), knots.max_code()), place.t, ln_exposure[j]), loss,
-                               &ln_radiance[i], &fit.g[place.knot], &fit.g[place.knot + 1]);
+      problem.AddResidualBlock(new DataTerm(weights.at(codes(i, j)), place.t, ln_exposure[j]), loss, &ln_radiance[i],
+                               &fit.g[place.knot], &fit.g[place.knot + 1]);
     }
     ln_radiance[i] /= std::max(1, seen);
   }
@@ -122,30 +119,29 @@ CurveFit fit_curve(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(ln_radiance, fit.g), &problem, &summary);
   fit.converged = summary.termination_type == ceres::CONVERGENCE;
-  const Eigen::MatrixXd residuals = weighted_residuals(knots, fit.g, codes, ln_exposure);
+  const Eigen::MatrixXd residuals = weighted_residuals(knots, weights, fit.g, codes, ln_exposure);
   const auto seen = residuals.array().isFinite();
   fit.rms = std::sqrt(seen.select(residuals.array().square(), 0).sum() /
                       std::max<double>(1, static_cast<double>(seen.count())));
   return fit;
 }
 
-Eigen::MatrixXd weighted_residuals(const Knots& knots, const Eigen::VectorXd& g, const Eigen::MatrixXd& codes,
-                                   const Eigen::VectorXd& ln_exposure) {
+Eigen::MatrixXd weighted_residuals(const Knots& knots, const CodeWeights& weights, const Eigen::VectorXd& g,
+                                   const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure) {
   Eigen::MatrixXd residuals = codes;
   for (Eigen::Index i = 0; i < codes.rows(); ++i) {
     // ln E_i that minimises the row: the mean of g(Z_ij) - ln H_j with weights w^2.
-    double sum = 0, weights = 0;
+    double sum = 0, squares = 0;
     for (Eigen::Index j = 0; j < codes.cols(); ++j) {
       if (std::isnan(codes(i, j))) continue;
       const Knots::Place place = knots.place(codes(i, j));
-      const double w = hat_weight(codes(i, j), knots.max_code());
+      const double w = weights.at(codes(i, j));
       residuals(i, j) = (1 - place.t) * g[place.knot] + place.t * g[place.knot + 1] - ln_exposure[j];
       sum += w * w * residuals(i, j);
-      weights += w * w;
+      squares += w * w;
     }
     for (Eigen::Index j = 0; j < codes.cols(); ++j) {
-      if (!std::isnan(codes(i, j)))
-        residuals(i, j) = hat_weight(codes(i, j), knots.max_code()) * (residuals(i, j) - sum / weights);
+      if (!std::isnan(codes(i, j))) residuals(i, j) = weights.at(codes(i, j)) * (residuals(i, j) - sum / squares);
     }
   }
   return residuals;

@@ -201,11 +201,15 @@ NoiseModel fit_noise(const std::vector<Measurement>& measurements, bool lossy) {
 }  // namespace
 
 NoiseEstimate estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response,
-                             const std::vector<bool>& left_out) {
+                             const std::vector<bool>& left_out, const std::vector<double>& exposures) {
   HDR_ASSERT(response.bits == bracket.bits());
   const std::size_t shots = bracket.shots.size();
   HDR_ASSERT(left_out.empty() || left_out.size() == shots);
   const auto used = [&](std::size_t shot) { return left_out.empty() || !left_out[shot]; };
+  HDR_ASSERT(exposures.empty() || exposures.size() == shots);
+  const auto exposure = [&](std::size_t shot) {
+    return exposures.empty() ? bracket.shots[shot].relative_exposure() : exposures[shot];
+  };
   const std::array<SampledCodes, 3> codes =
       internal::codes_at_places(bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces));
   const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
@@ -218,7 +222,7 @@ NoiseEstimate estimate_noise(const Bracket& bracket, const std::vector<Mat3>& re
     for (std::size_t j = 0; j < shots; ++j) {
       for (std::size_t k = j + 1; k < std::min(shots, j + 3); ++k) {
         if (!used(j) || !used(k)) continue;
-        const double ratio = bracket.shots[j].relative_exposure() / bracket.shots[k].relative_exposure();
+        const double ratio = exposure(j) / exposure(k);
         measure_pair(codes[c], shots, j, k, ratio, table, measurements);
       }
     }

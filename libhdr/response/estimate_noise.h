@@ -20,8 +20,9 @@ struct NoiseEstimate {
 /// function of the level, is that of the noise model; full well and read noise (and, for lossy files, code_noise)
 /// follow from it. Where the shots say little (one shot, no overlap) the model stays near its defaults.
 /// `ref_from_photo[k]` maps pixels (centres at integers) of shot k to the common grid; empty means registered. Shots
-/// that are `left_out` (empty: none), because they could not be registered, say nothing.
+/// that are `left_out` (empty: none), because they could not be registered, say nothing. `exposures` of the shots, up
+/// to a factor, take the place of their relative_exposure() where the times are known better (empty: they are not).
 NoiseEstimate estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response,
-                             const std::vector<bool>& left_out = {});
+                             const std::vector<bool>& left_out = {}, const std::vector<double>& exposures = {});
 
 }  // namespace hdr

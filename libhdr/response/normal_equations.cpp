@@ -18,17 +18,19 @@ Eigen::MatrixXd solved(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& rig
 
 }  // namespace
 
-NormalEquations::NormalEquations(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure)
+NormalEquations::NormalEquations(const Knots& knots, const CodeWeights& weights, const Eigen::MatrixXd& codes,
+                                 const Eigen::VectorXd& ln_exposure)
     : knots_(knots),
       matrix_(Eigen::MatrixXd::Zero(knots.count(), knots.count())),
       right_(Eigen::VectorXd::Zero(knots.count())) {
-  for (Eigen::Index i = 0; i < codes.rows(); ++i) add_point(codes, i, ln_exposure);
+  for (Eigen::Index i = 0; i < codes.rows(); ++i) add_point(weights, codes, i, ln_exposure);
 }
 
 /// The rows w_j (a_j'g - ln E - ln H_j), with a_j the interpolation between two knots, lose ln E to their weighted
 /// mean. What is left is sum w^2 a a' - (sum w^2 a)(sum w^2 a)' / sum w^2, and likewise on the right with ln H in place
 /// of one a.
-void NormalEquations::add_point(const Eigen::MatrixXd& codes, Eigen::Index i, const Eigen::VectorXd& ln_exposure) {
+void NormalEquations::add_point(const CodeWeights& weights, const Eigen::MatrixXd& codes, Eigen::Index i,
+                                const Eigen::VectorXd& ln_exposure) {
   struct Entry {
     int knot;
     double value;
@@ -38,7 +40,7 @@ void NormalEquations::add_point(const Eigen::MatrixXd& codes, Eigen::Index i, co
   for (Eigen::Index j = 0; j < codes.cols(); ++j) {
     if (std::isnan(codes(i, j))) continue;
     const Knots::Place place = knots_.place(codes(i, j));
-    const double w = hat_weight(codes(i, j), knots_.max_code()), square = w * w;
+    const double w = weights.at(codes(i, j)), square = w * w;
     const Entry a[2] = {{place.knot, 1 - place.t}, {place.knot + 1, place.t}};
     for (const Entry& p : a) {
       for (const Entry& q : a) matrix_(p.knot, q.knot) += square * p.value * q.value;

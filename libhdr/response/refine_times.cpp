@@ -101,10 +101,11 @@ void add_channel(ceres::Problem& problem, const Knots& knots, const Eigen::Matri
 Unknowns first_guess(const Knots& knots, const Observations& seen, double smoothness) {
   Unknowns x;
   x.correction = Eigen::VectorXd::Zero(seen.ln_exposure.size());
+  const CodeWeights hat = CodeWeights::hat(seen.bits);
   for (std::size_t c = 0; c < 3; ++c) {
     const Eigen::MatrixXd& codes = seen.codes[c];
     if (codes.rows() == 0) continue;
-    x.g[c] = fit_curve(knots, codes, seen.ln_exposure, smoothness, 0.1).g;
+    x.g[c] = fit_curve(knots, hat, codes, seen.ln_exposure, smoothness, 0.1).g;
     x.ln_radiance[c] = Eigen::VectorXd::Zero(codes.rows());
     for (Eigen::Index i = 0; i < codes.rows(); ++i) {
       int count = 0;
@@ -200,7 +201,8 @@ RefinedTimes refine_times(const Knots& knots, const Observations& seen, double s
   double squares = 0, count = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (seen.codes[c].rows() == 0) continue;
-    for (const double r : weighted_residuals(knots, x.g[c], seen.codes[c], ln_exposure).reshaped()) {
+    for (const double r :
+         weighted_residuals(knots, CodeWeights::hat(seen.bits), x.g[c], seen.codes[c], ln_exposure).reshaped()) {
       if (std::isnan(r)) continue;
       squares += std::min(r * r, 25 * noise * noise);  // what moved says nothing of the times
       ++count;

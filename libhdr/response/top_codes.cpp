@@ -20,14 +20,13 @@ constexpr int kDarkestReference = 50, kBrightestReference = 200;  ///< codes of 
 using CodeHistogram = std::array<std::int64_t, 256>;
 
 /// histogram[b]: the codes that longer shots gave to light of bin b.
-std::vector<CodeHistogram> histograms(const std::vector<int>& codes, const Bracket& bracket,
+std::vector<CodeHistogram> histograms(const std::vector<int>& codes, const Eigen::VectorXd& ln_exposure,
                                       const std::vector<double>& g) {
-  const std::size_t shots = bracket.shots.size();
+  const auto shots = static_cast<std::size_t>(ln_exposure.size());
   std::vector<CodeHistogram> bins(static_cast<std::size_t>(kReach / kBinWidth));
   for (std::size_t j = 0; j < shots; ++j) {
     for (std::size_t k = j + 1; k < std::min(shots, j + 3); ++k) {
-      const double longer =
-          std::log(bracket.shots[k].relative_exposure()) - std::log(bracket.shots[j].relative_exposure());
+      const double longer = ln_exposure[static_cast<Eigen::Index>(k)] - ln_exposure[static_cast<Eigen::Index>(j)];
       for (std::size_t i = 0; i * shots < codes.size(); ++i) {
         const int reference = codes[i * shots + j], code = codes[i * shots + k];
         if (reference < kDarkestReference || reference > kBrightestReference || code < 0) continue;
@@ -92,9 +91,9 @@ double parabola_at(const std::vector<double>& g, int last, int span, double code
   return c[0] + c[1] * x + c[2] * x * x;
 }
 
-void measure_channel(const std::vector<int>& codes, const Bracket& bracket, int last_fitted, int last_measured,
-                     const std::vector<double>& deviation, std::vector<double>& g) {
-  const std::vector<Median> curve = medians(histograms(codes, bracket, g), g[kFirst]);
+void measure_channel(const std::vector<int>& codes, const Eigen::VectorXd& ln_exposure, int last_fitted,
+                     int last_measured, const std::vector<double>& deviation, std::vector<double>& g) {
+  const std::vector<Median> curve = medians(histograms(codes, ln_exposure, g), g[kFirst]);
   // Where both are known they differ by what the choice of pixels does.
   double apart = 0, count = 0;
   for (int code = kFirst + 4; code <= last_fitted; ++code) {
@@ -126,8 +125,9 @@ void measure_channel(const std::vector<int>& codes, const Bracket& bracket, int 
 
 }  // namespace
 
-void measure_top_codes(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
-                       const std::array<std::vector<double>, 3>& deviation, Response& response) {
+void measure_top_codes(const Bracket& bracket, const Eigen::VectorXd& ln_exposure,
+                       const std::vector<Mat3>& ref_from_photo, const std::array<std::vector<double>, 3>& deviation,
+                       Response& response) {
   if (response.bits != 8) return;
   const auto codes =
       internal::codes_at_places(bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces));
@@ -136,7 +136,7 @@ void measure_top_codes(const Bracket& bracket, const std::vector<Mat3>& ref_from
   // Compression's errors are cut off at 255, and pull down the median of what is within three codes of it.
   const int last_measured = lossy ? 251 : 254;
   for (std::size_t c = 0; c < 3; ++c)
-    measure_channel(codes[c], bracket, last_fitted, last_measured, deviation[c], response.g[c]);
+    measure_channel(codes[c], ln_exposure, last_fitted, last_measured, deviation[c], response.g[c]);
 }
 
 }  // namespace hdr

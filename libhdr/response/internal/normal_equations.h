@@ -4,6 +4,7 @@
 // for.
 #include <Eigen/Core>
 
+#include "libhdr/response/internal/code_weights.h"
 #include "libhdr/response/internal/knots.h"
 
 namespace hdr {
@@ -11,7 +12,8 @@ namespace hdr {
 class NormalEquations {
  public:
   /// Of the points `codes.row(i)`, as fit_curve takes them.
-  NormalEquations(const Knots& knots, const Eigen::MatrixXd& codes, const Eigen::VectorXd& ln_exposure);
+  NormalEquations(const Knots& knots, const CodeWeights& weights, const Eigen::MatrixXd& codes,
+                  const Eigen::VectorXd& ln_exposure);
 
   /// g at the knots, 0 at the middle one. `prior` as fit_curve takes it.
   Eigen::VectorXd solve(double smoothness, const Eigen::VectorXd& prior = {}) const;
@@ -21,7 +23,8 @@ class NormalEquations {
   Eigen::VectorXd deviation(double smoothness, double rms) const;
 
  private:
-  void add_point(const Eigen::MatrixXd& codes, Eigen::Index i, const Eigen::VectorXd& ln_exposure);
+  void add_point(const CodeWeights& weights, const Eigen::MatrixXd& codes, Eigen::Index i,
+                 const Eigen::VectorXd& ln_exposure);
   Eigen::MatrixXd with_smoothness(double smoothness) const;
 
   const Knots& knots_;

@@ -14,9 +14,10 @@ TEST(NormalEquations, HaveTheSolutionThatCeresFinds) {
   for (const int bits : {8, 14}) {
     const Observations seen = sample_points(test::simulate(film_response(bits), {}), {}, 300);
     const Knots knots(bits, 0.25);
+    const CodeWeights hat = CodeWeights::hat(bits);
     for (const double smoothness : {0.01, 1.0}) {
-      const Eigen::VectorXd eliminated = NormalEquations(knots, seen.codes[1], seen.ln_exposure).solve(smoothness);
-      const CurveFit fitted = fit_curve(knots, seen.codes[1], seen.ln_exposure, smoothness);
+      const Eigen::VectorXd eliminated = NormalEquations(knots, hat, seen.codes[1], seen.ln_exposure).solve(smoothness);
+      const CurveFit fitted = fit_curve(knots, hat, seen.codes[1], seen.ln_exposure, smoothness);
       // Where no point is, only smoothness speaks, and a trust region stops a little early.
       const auto seen_codes = seen.codes[1].array().isFinite();
       const double lowest = seen_codes.select(seen.codes[1].array(), INFINITY).minCoeff();
@@ -35,11 +36,13 @@ TEST(NormalEquations, HaveTheSolutionThatCeresFinds) {
 TEST(NormalEquations, DeviationFallsWithTheRootOfTheNumberOfPoints) {
   const Observations seen = sample_points(test::simulate(srgb_response(8), {}), {}, 300);
   const Knots knots(8);
+  const CodeWeights hat = CodeWeights::hat(8);
   Eigen::MatrixXd twice(2 * seen.codes[0].rows(), seen.codes[0].cols());
   twice << seen.codes[0], seen.codes[0];
   constexpr double kSmoothness = 1e-3;
-  const Eigen::VectorXd once = NormalEquations(knots, seen.codes[0], seen.ln_exposure).deviation(kSmoothness, 0.01);
-  const Eigen::VectorXd both = NormalEquations(knots, twice, seen.ln_exposure).deviation(2 * kSmoothness, 0.01);
+  const Eigen::VectorXd once =
+      NormalEquations(knots, hat, seen.codes[0], seen.ln_exposure).deviation(kSmoothness, 0.01);
+  const Eigen::VectorXd both = NormalEquations(knots, hat, twice, seen.ln_exposure).deviation(2 * kSmoothness, 0.01);
   EXPECT_NEAR(both[60] / once[60], std::sqrt(0.5), 1e-6);
   EXPECT_EQ(once[knots.middle()], 0);
 }
