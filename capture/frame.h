@@ -1,0 +1,85 @@
+#pragma once
+// What a camera hands over: bytes as the device wrote them, and all that is known of how they were exposed. develop.h turns
+// them into a Photo.
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "libhdr/core/image.h"
+
+namespace hdr {
+
+/// Sample layouts. Grey and Bayer samples of more than 8 bits are little-endian 16-bit words, in the low bits; the packed
+/// ones are MIPI CSI-2's (4 samples in 5 bytes, 2 in 3), as V4L2 and libcamera have them.
+enum class PixelFormat {
+  kGrey8,
+  kGrey10,
+  kGrey12,
+  kGrey16,
+  kRgb8,   ///< interleaved, 3 bytes
+  kRgb16,  ///< interleaved, 3 words
+  kYuyv,   ///< BT.601 4:2:2
+  kMjpeg,  ///< one JPEG file, `bytes` long
+  kBayer8,
+  kBayer10,
+  kBayer12,
+  kBayer16,
+  kBayer10Packed,
+  kBayer12Packed,
+};
+
+/// Colours of the top left 2x2 pixels, row by row.
+enum class Cfa { kNone, kRggb, kBggr, kGrbg, kGbrg };
+
+struct FrameFormat {
+  PixelFormat pixels = PixelFormat::kRgb8;
+  Cfa cfa = Cfa::kNone;
+  Size size;
+  std::ptrdiff_t stride_bytes = 0;  ///< between rows; 0 for kMjpeg
+  bool full_range = false;          ///< kYuyv: luma runs over 0..255, not 16..235
+  double black_level = 0;           ///< code that means no light
+  double white_level = 255;         ///< code at which the sensor or its converter saturates
+
+  bool operator==(const FrameFormat&) const = default;
+};
+
+/// "YUYV 640x480", "BGGR 10 bit packed 1640x1232".
+std::string to_text(const FrameFormat& format);
+
+/// What decides a frame's exposure. Gain multiplies the signal; 1 is the device's least.
+struct ExposureSetting {
+  double seconds = 1.0 / 60;
+  double gain = 1;
+
+  double total() const { return seconds * gain; }
+  bool operator==(const ExposureSetting&) const = default;
+};
+
+/// How the exposure of a frame is known.
+enum class Verified {
+  kNone,
+  kBrightness,  ///< the picture changed as the asked exposure must change it, and two frames agree
+  kMetadata,    ///< the device says with the frame itself what it was exposed with
+};
+const char* name_of(Verified verified);
+
+struct Frame {
+  std::span<const std::uint8_t> bytes;
+  std::shared_ptr<const void> owner;  ///< keeps `bytes` alive; a device's buffer goes back to its queue with the last one
+  int dmabuf = -1;                    ///< file descriptor of the same memory where the device exports it, else -1
+  FrameFormat format;
+  std::uint32_t sequence = 0;            ///< the device's count: a gap is a lost frame
+  std::chrono::nanoseconds timestamp{};  ///< of std::chrono::steady_clock
+  ExposureSetting requested;             ///< the last set() when the frame arrived
+  std::optional<ExposureSetting> reported;
+  Verified verified = Verified::kNone;
+
+  /// Copies the bytes and lets the device's buffer go.
+  void detach();
+};
+
+}  // namespace hdr
