@@ -2,43 +2,55 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "capture/virtual/virtual_camera.h"
-#include "libhdr/io/read.h"
 
 namespace hdr {
 namespace {
 
-/// How a virtual camera is set up when nothing is asked: an 8-bit sRGB camera whose median pixel is well exposed in
-/// 1/60 s.
-std::unique_ptr<Camera> open_virtual(const std::string& uri, const Path& scene) {
-  Image<float> radiance = read_map(scene).map.rgb;
-  VirtualCameraOptions options;
-  options.sensor.response = srgb_response(8);
-  Exposure metered = options.optics;
-  metered.seconds = 1.0 / 60;
-  options.sensor.sensitivity = metered_sensitivity(radiance, metered, 0.18);
-  return std::make_unique<VirtualCamera>(uri, std::move(radiance), std::move(options));
-}
+/// A kind of camera. Another one is another row: `list` finds those that are connected, `open` takes a whole URI.
+struct Scheme {
+  const char* name;
+  const char* example;
+  std::vector<CameraName> (*list)();
+  std::unique_ptr<Camera> (*open)(const std::string& uri);
+};
+
+constexpr Scheme kSchemes[] = {
+    {"virtual", "virtual:SCENE.exr", list_virtual_cameras, open_virtual_camera},
+};
 
 }  // namespace
 
-const char* name_of(Verified verified) {
-  switch (verified) {
-    case Verified::kMetadata:
-      return "metadata";
-    case Verified::kBrightness:
-      return "brightness";
-    case Verified::kNone:
-      break;
+double Range::snap(double value) const {
+  const double inside = std::clamp(value, min, max);
+  if (!(step > 0)) return inside;
+  const double last = std::floor((max - min) / step);
+  return min + step * std::min(std::round((inside - min) / step), last);
+}
+
+std::vector<CameraName> list_cameras() {
+  std::vector<CameraName> cameras;
+  for (const Scheme& scheme : kSchemes) {
+    for (CameraName& camera : scheme.list()) cameras.push_back(std::move(camera));
   }
-  return "none";
+  return cameras;
 }
 
 std::unique_ptr<Camera> open_camera(const std::string& uri) {
-  const std::string scheme = uri.substr(0, uri.find(':'));
-  if (scheme == "virtual" && uri.size() > scheme.size() + 1) return open_virtual(uri, uri.substr(scheme.size() + 1));
+  const std::size_t colon = uri.find(':');
+  for (const Scheme& scheme : kSchemes) {
+    if (colon != std::string::npos && uri.compare(0, colon, scheme.name) == 0) return scheme.open(uri);
+  }
+  std::string examples;
+  for (const Scheme& scheme : kSchemes) {
+    if (!examples.empty()) examples += ", ";
+    examples += scheme.example;
+  }
   throw CameraError(CameraError::Kind::kNotSupported,
-                    fmt::format("{}: this build has no such camera; it has virtual:SCENE.exr", uri));
+                    fmt::format("{}: this build has no such camera; it has {}", uri, examples));
 }
 
 }  // namespace hdr

@@ -68,22 +68,25 @@ class Camera {
   virtual void start(const ExposureSetting& first) = 0;
   /// Exposure of the frames to come, snapped to what the device can do. Frames on their way show older ones.
   virtual void set(const ExposureSetting& setting) = 0;
-  /// The next good frame; those which the driver marks as damaged, and short ones, are dropped here. Throws kTimeout when
-  /// there is none before the deadline, kDisconnected when there will be none.
+  /// The next good frame; those which the driver marks as damaged, and short ones, are dropped here. Throws kTimeout
+  /// when there is none before the deadline, kDisconnected when there will be none.
   virtual Frame next_frame(std::chrono::steady_clock::time_point deadline) = 0;
   virtual void stop() = 0;
+  /// The clock of deadlines and timestamps. A virtual camera has its own, in which frames take their time and waiting
+  /// takes none.
+  virtual std::chrono::steady_clock::time_point now() const { return std::chrono::steady_clock::now(); }
 };
 
 struct CameraName {
   std::string uri, name;
 };
 
-/// The cameras that are connected: V4L2 devices that capture, then libcamera's. A device that cannot be asked is listed
-/// with the reason in its name.
+/// The cameras that are connected: V4L2 devices that capture, then libcamera's, then the virtual one, which is always
+/// there. A device that cannot be asked is listed with the reason in its name.
 std::vector<CameraName> list_cameras();
 
-/// "v4l2:/dev/video0", "libcamera:ID" or "virtual:SCENE.exr". Throws CameraError: kNotSupported names the schemes that
-/// are built in.
+/// "v4l2:/dev/video0", "libcamera:ID", "virtual:SCENE.exr" or "virtual:" (a scene that is built in). Throws
+/// CameraError: kNotSupported names the schemes that are built in.
 std::unique_ptr<Camera> open_camera(const std::string& uri);
 
 }  // namespace hdr

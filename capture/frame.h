@@ -1,6 +1,6 @@
 #pragma once
-// What a camera hands over: bytes as the device wrote them, and all that is known of how they were exposed. develop.h turns
-// them into a Photo.
+// What a camera hands over: bytes as the device wrote them, and all that is known of how they were exposed. develop.h
+// turns them into a Photo.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace hdr {
 
-/// Sample layouts. Grey and Bayer samples of more than 8 bits are little-endian 16-bit words, in the low bits; the packed
-/// ones are MIPI CSI-2's (4 samples in 5 bytes, 2 in 3), as V4L2 and libcamera have them.
+/// Sample layouts. Grey and Bayer samples of more than 8 bits are little-endian 16-bit words, in the low bits; the
+/// packed ones are MIPI CSI-2's (4 samples in 5 bytes, 2 in 3), as V4L2 and libcamera have them.
 enum class PixelFormat {
   kGrey8,
   kGrey10,
@@ -49,6 +49,11 @@ struct FrameFormat {
 
 /// "YUYV 640x480", "BGGR 10 bit packed 1640x1232".
 std::string to_text(const FrameFormat& format);
+/// 8 to 16: bits of a sample.
+int bits_of(PixelFormat pixels);
+bool is_bayer(PixelFormat pixels);
+/// Bytes that a row of `width` pixels needs at least; 0 for kMjpeg, whose rows have no fixed length.
+std::ptrdiff_t row_bytes_of(PixelFormat pixels, int width);
 
 /// What decides a frame's exposure. Gain multiplies the signal; 1 is the device's least.
 struct ExposureSetting {
@@ -69,16 +74,19 @@ const char* name_of(Verified verified);
 
 struct Frame {
   std::span<const std::uint8_t> bytes;
-  std::shared_ptr<const void> owner;  ///< keeps `bytes` alive; a device's buffer goes back to its queue with the last one
-  int dmabuf = -1;                    ///< file descriptor of the same memory where the device exports it, else -1
+  std::shared_ptr<const void>
+      owner;        ///< keeps `bytes` alive; a device's buffer goes back to its queue with the last one
+  int dmabuf = -1;  ///< file descriptor of the same memory where the device exports it, else -1
   FrameFormat format;
   std::uint32_t sequence = 0;            ///< the device's count: a gap is a lost frame
   std::chrono::nanoseconds timestamp{};  ///< of std::chrono::steady_clock
-  ExposureSetting requested;             ///< the last set() when the frame arrived
-  std::optional<ExposureSetting> reported;
-  Verified verified = Verified::kNone;
+  ExposureSetting requested;             ///< the last set() when the frame arrived, as it was asked
+  std::optional<ExposureSetting>
+      reported;                         ///< by the device, with the frame itself; a control's read-back is no report
+  Verified verified = Verified::kNone;  ///< decided by verify.h: cameras leave it alone
+  std::optional<ExposureSetting> exposure;  ///< what it was taken with; present when it is verified
 
-  /// Copies the bytes and lets the device's buffer go.
+  /// Copies the bytes and lets the device's buffer go: a bracket's frames are kept longer than a camera has buffers.
   void detach();
 };
 

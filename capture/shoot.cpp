@@ -9,39 +9,50 @@ namespace hdr {
 namespace {
 
 /// Frames are in flight when an exposure is set: wait for the first that was taken with it.
-Frame frame_with(Camera& camera, double seconds, const ShootOptions& options) {
+Frame frame_with(Camera& camera, const ExposureSetting& setting, const ShootOptions& options) {
   const Capabilities limits = camera.capabilities();
-  const double expected = std::clamp(seconds, limits.min_seconds, limits.max_seconds);
-  camera.set(seconds);
+  const ExposureSetting expected{limits.seconds.snap(setting.seconds), limits.gain.snap(setting.gain)};
+  camera.set(setting);
   for (int k = 0; k <= options.max_latency; ++k) {
     const auto exposing =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(expected));
-    Frame frame = camera.next_frame(std::chrono::steady_clock::now() + exposing + options.frame_deadline);
-    if (frame.reported_seconds && std::abs(std::log(*frame.reported_seconds / expected)) < 0.01) return frame;
+        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(expected.seconds));
+    Frame frame = camera.next_frame(camera.now() + exposing + options.frame_deadline);
+    if (options.on_frame) options.on_frame(frame);
+    if (frame.reported && std::abs(std::log(frame.reported->total() / expected.total())) < 0.01) {
+      frame.detach();
+      frame.exposure = frame.reported;
+      frame.verified = Verified::kMetadata;
+      return frame;
+    }
   }
   throw CameraError(CameraError::Kind::kTimeout,
-                    fmt::format("{}: {} s was asked and none of {} frames was taken with it", limits.uri, seconds,
-                                options.max_latency + 1));
+                    fmt::format("{}: {} s was asked and none of {} frames was taken with it", limits.uri,
+                                setting.seconds, options.max_latency + 1));
 }
 
-struct Running {
-  Camera& camera;
-  explicit Running(Camera& c) : camera(c) { camera.start(); }
-  ~Running() { camera.stop(); }
+class Running {
+ public:
+  Running(Camera& camera, const ExposureSetting& first) : camera_(camera) { camera_.start(first); }
+  ~Running() { camera_.stop(); }
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
+
+ private:
+  Camera& camera_;
 };
 
 }  // namespace
 
-std::vector<Frame> shoot(Camera& camera, const std::vector<double>& times, const ShootOptions& options) {
-  const Running running(camera);
-  std::vector<Frame> frames;
-  for (const double seconds : times) {
-    frames.push_back(frame_with(camera, seconds, options));
-    if (options.progress) options.progress(frames.size());
+Take shoot(Camera& camera, const BracketRequest& request, const ShootOptions& options) {
+  Take take;
+  for (const double seconds : request.times) take.plan.shots.push_back({{seconds, 1}, "the times were given"});
+  if (take.plan.shots.empty()) throw Error("no exposure times; pass --times");
+  const Running running(camera, take.plan.shots.front().setting);
+  for (const PlannedShot& shot : take.plan.shots) {
+    take.frames.push_back(frame_with(camera, shot.setting, options));
+    if (options.progress) options.progress(take.frames.size(), take.plan.shots.size());
   }
-  return frames;
+  return take;
 }
 
 }  // namespace hdr

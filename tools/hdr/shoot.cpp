@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "capture/develop.h"
 #include "tools/hdr/options.h"
 #include "tools/hdr/shots_output.h"
 
@@ -24,23 +25,31 @@ std::function<int(Run&)> declare_shoot(CLI::App& app) {
     const std::vector<double> times = times_from_text(options->times, "--times");
     const auto camera = run.stage("open", [&] { return open_camera(options->camera); });
     ShotsOutput output(options->output);
-    const std::vector<Frame> frames = run.stage("shoot", [&](const Progress& progress) {
+    const Take take = run.stage("shoot", [&](const Progress& progress) {
       ShootOptions shooting;
-      shooting.progress = [&](std::size_t done) {
-        progress.update(static_cast<double>(done) / static_cast<double>(times.size()));
+      shooting.progress = [&](std::size_t done, std::size_t of) {
+        progress.update(static_cast<double>(done) / static_cast<double>(of));
       };
-      return shoot(*camera, times, shooting);
+      BracketRequest request;
+      request.times = times;
+      return shoot(*camera, request, shooting);
     });
-    run.stage("write", [&] {
-      for (const Frame& frame : frames) output.write(frame, options->format, options->quality);
-    });
+    const Capabilities limits = camera->capabilities();
     Json seconds = Json::array();
-    for (const Frame& frame : frames) seconds.push_back(*frame.photo.exposure.seconds);
+    run.stage("write", [&] {
+      for (const Frame& frame : take.frames) {
+        Photo photo = develop(frame, {limits.f_number, limits.iso});
+        photo.lossy = options->format == "jpg";
+        output.write(photo, {frame.requested.seconds, frame.verified, frame.sequence}, options->format,
+                     options->quality);
+        seconds.push_back(*photo.exposure.seconds);
+      }
+    });
     run.answer["frames"] = output.rows();
     run.answer["plan"] = {{"times", times}, {"reason", "the times were given"}};
     output.write_json(
         {{"files", output.names()}, {"times", seconds}, {"camera", options->camera}, {"frames", output.rows()}});
-    run.say(fmt::format("{} shots in {}", frames.size(), options->output));
+    run.say(fmt::format("{} shots in {}", take.frames.size(), options->output));
     return 0;
   };
 }

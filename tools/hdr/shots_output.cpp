@@ -32,15 +32,15 @@ ShotsOutput::ShotsOutput(Path folder) : folder_(std::move(folder)) {
   remove_earlier_shots(folder_);
 }
 
-void ShotsOutput::write(const Frame& frame, const std::string& format, int jpeg_quality) {
+void ShotsOutput::write(const Photo& photo, const Row& row, const std::string& format, int jpeg_quality) {
   const std::string name = fmt::format("shot_{:02d}.{}", names_.size(), format);
-  write_photo(folder_ / name, frame.photo, jpeg_quality);
+  write_photo(folder_ / name, photo, jpeg_quality);
   names_.push_back(name);
   rows_.push_back({{"path", (folder_ / name).string()},
-                   {"requested_seconds", frame.requested_seconds},
-                   {"seconds", *frame.photo.exposure.seconds},
-                   {"verified", name_of(frame.verified)},
-                   {"sequence", frame.sequence}});
+                   {"requested_seconds", row.requested_seconds},
+                   {"seconds", *photo.exposure.seconds},
+                   {"verified", name_of(row.verified)},
+                   {"sequence", row.sequence}});
 }
 
 void ShotsOutput::write_json(const Json& bracket) const {

@@ -2,7 +2,8 @@
 // A folder of shots: photographs with their exposures in EXIF, and bracket.json. Such a folder is SHOTS for every verb.
 #include <string>
 
-#include "capture/camera.h"
+#include "capture/frame.h"
+#include "libhdr/core/photo.h"
 #include "tools/hdr/verb.h"
 
 namespace hdr::tools {
@@ -13,8 +14,14 @@ class ShotsOutput {
   /// lists them, are removed: the folder is SHOTS, and two scenes would be merged.
   explicit ShotsOutput(Path folder);
 
+  /// What the answer says of a shot, besides its path.
+  struct Row {
+    double requested_seconds = 0;
+    Verified verified = Verified::kNone;
+    std::uint32_t sequence = 0;
+  };
   /// Writes shot_NN.FORMAT.
-  void write(const Frame& frame, const std::string& format, int jpeg_quality);
+  void write(const Photo& photo, const Row& row, const std::string& format, int jpeg_quality);
   void write_json(const Json& bracket) const;
 
   const Json& names() const { return names_; }

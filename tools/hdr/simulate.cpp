@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <numeric>
 
-#include "capture/shoot.h"
 #include "capture/virtual/virtual_camera.h"
 #include "libhdr/core/error.h"
 #include "libhdr/core/random.h"
@@ -155,12 +154,8 @@ std::vector<double> valid_times(const Options& o) {
 
 int simulate(Run& run, const Options& o) {
   const std::vector<double> times = valid_times(o);
-  VirtualCameraOptions camera_options;
-  camera_options.sensor = sensor_of(o);
-  camera_options.seed = o.seed;
-  camera_options.lossy = o.format == "jpg";
-  camera_options.max_seconds = 1e9;
-  camera_options.min_seconds = 1e-12;
+  Sensor sensor = sensor_of(o);
+  const Exposure optics{std::nullopt, 8.0, 100.0, 0};
   if (o.depth == 16 && o.format == "jpg") throw Error("--depth 16: JPEG has 8 bits; add --format png or tif");
 
   const ReadMap scene = run.stage("read", [&] { return read_map(o.scene); });
@@ -173,35 +168,37 @@ int simulate(Run& run, const Options& o) {
 
   std::vector<double> sorted = times;
   std::sort(sorted.begin(), sorted.end());
-  Exposure middle = camera_options.optics;
+  Exposure middle = optics;
   middle.seconds = sorted[(sorted.size() - 1) / 2];
-  camera_options.sensor.sensitivity = metered_sensitivity(truth.rgb, middle, o.level);
-  const double k = camera_options.sensor.sensitivity * *middle.relative() / *middle.seconds;
+  sensor.sensitivity = metered_sensitivity(truth.rgb, middle, o.level);
+  const double k = sensor.sensitivity * *middle.relative() / *middle.seconds;
 
   ShotsOutput output(o.output);
   Json transforms = Json::array(), nominal = Json::array();
-  const Response response = camera_options.sensor.response;
-  VirtualCamera camera("virtual:" + o.scene, truth.rgb.clone(), std::move(camera_options));
-  camera.start();
   run.stage("shots", [&](const Progress& progress) {
     for (std::size_t shot = 0; shot < times.size(); ++shot) {
       const Mat3 scene_from_photo = times[shot] == *middle.seconds ? Mat3::Identity() : shake_of(o, size, shot);
-      camera.move(scene_from_photo);
-      camera.set(times[shot]);
-      const Frame frame = camera.next_frame(std::chrono::steady_clock::now() + std::chrono::seconds(60));
-      output.write(frame, o.format, o.quality);
+      Exposure exposure = optics;
+      exposure.seconds = times[shot];
+      const std::uint64_t seed = hash64(o.seed) + shot;
+      Photo photo = scene_from_photo.isIdentity(0) ? expose(truth.rgb, exposure, sensor, seed)
+                                                   : expose(shake(truth.rgb, scene_from_photo), exposure, sensor, seed);
+      photo.lossy = o.format == "jpg";
+      output.write(photo, {times[shot], Verified::kMetadata, static_cast<std::uint32_t>(shot)}, o.format, o.quality);
       transforms.push_back(affine(scene_from_photo));
       nominal.push_back(nominal_time(times[shot]));
       progress.update(static_cast<double>(shot + 1) / static_cast<double>(times.size()));
     }
   });
-  camera.stop();
   run.stage("write", [&] {
     write_map(Path(o.output) / "truth.exr", truth, provenance_of(run, Path(o.scene)), {SampleType::kFloat, "zip"});
   });
-  Json json = {
-      {"files", output.names()}, {"times_true", times}, {"times_nominal", nominal}, {"g", curve_of(response)}, {"k", k},
-      {"transforms", transforms}};
+  Json json = {{"files", output.names()},
+               {"times_true", times},
+               {"times_nominal", nominal},
+               {"g", curve_of(sensor.response)},
+               {"k", k},
+               {"transforms", transforms}};
   json["ball"] = nullptr;
   if (ball) {
     json["ball"] = {{"cx", ball->disc.cx}, {"cy", ball->disc.cy}, {"r", ball->disc.r}};
