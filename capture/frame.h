@@ -10,6 +10,7 @@
 #include <string>
 
 #include "libhdr/core/image.h"
+#include "libhdr/core/mosaic.h"
 
 namespace hdr {
 
@@ -31,9 +32,6 @@ enum class PixelFormat {
   kBayer10Packed,
   kBayer12Packed,
 };
-
-/// Colours of the top left 2x2 pixels, row by row.
-enum class Cfa { kNone, kRggb, kBggr, kGrbg, kGbrg };
 
 struct FrameFormat {
   PixelFormat pixels = PixelFormat::kRgb8;

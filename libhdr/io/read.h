@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,13 @@
 namespace hdr {
 
 /// 8- or 16-bit codes (JPEG, PNG, TIFF) with EXIF exposure, EXIF orientation applied (the picture is upright), alpha
-/// dropped, grey repeated in three channels. Throws Error: missing, not an image, truncated, float samples (a radiance
-/// map is not a photograph).
+/// dropped, grey repeated in three channels. A DNG file is demosaiced (io/demosaic.h): its codes are linear. Throws
+/// Error: missing, not an image, truncated, float samples (a radiance map is not a photograph).
 Photo read_photo(const Path& path);
+
+/// A JPEG in memory, as cameras stream them: padding after its end and missing (then standard) Huffman tables are no
+/// fault. `name` is for messages. Throws Error: not a JPEG, truncated.
+Photo photo_from_jpeg(std::span<const std::uint8_t> jpeg, const std::string& name);
 
 /// The rows of a photograph (upright, as read_photo gives them), decoded as they are asked for: JPEG, PNG and TIFF with
 /// a few rows in memory. A picture that is turned (EXIF orientation), tiled, interlaced, progressive, or of another

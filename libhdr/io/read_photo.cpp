@@ -79,7 +79,7 @@ PhotoHeader read_photo_header(const Path& path) {
 
 bool is_photo_name(const Path& path) {
   static constexpr std::array kExtensions = {".jpg",  ".jpeg", ".jpe", ".png", ".tif", ".tiff", ".webp",
-                                             ".heic", ".heif", ".bmp", ".ppm", ".pgm", ".pnm"};
+                                             ".heic", ".heif", ".bmp", ".ppm", ".pgm", ".pnm",  ".dng"};
   const std::string extension = internal::extension_of(path);
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }

@@ -2,6 +2,7 @@
 // Files out, each through OutputFile. The format follows the extension.
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "libhdr/core/photo.h"
@@ -51,5 +52,9 @@ void write_picture(const Path& path, View<const std::uint8_t> codes);
 /// A photograph's codes with its exposure in EXIF (ExposureTime, FNumber, ISO): JPEG (quality, 4:2:0 as cameras
 /// write), PNG 8/16 or TIFF 8/16.
 void write_photo(const Path& path, const Photo& photo, int jpeg_quality = 95);
+
+/// A camera's own JPEG, its picture not compressed again: without padding, with Huffman tables where the stream left
+/// them out, and with `exposure` in place of its EXIF. Throws Error when it is no whole JPEG.
+void write_jpeg(const Path& path, std::span<const std::uint8_t> jpeg, const Exposure& exposure);
 
 }  // namespace hdr

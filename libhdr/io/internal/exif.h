@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <optional>
+#include <string>
 
 #include "libhdr/core/exposure.h"
 #include "libhdr/core/photo.h"
@@ -24,5 +25,7 @@ double number_from_exif_float(float value);
 /// Puts ExposureTime, FNumber and ISO into a JPEG, PNG or TIFF file just written: an APP1 segment, an eXIf chunk, an
 /// EXIF directory. nd_stops has no place in EXIF and is not written.
 void embed_exposure(const Path& file, const Exposure& exposure);
+/// The bytes of a JPEG with `exposure` as its only EXIF.
+std::string jpeg_with_exposure(const std::string& jpeg, const Exposure& exposure);
 
 }  // namespace hdr::internal

@@ -93,22 +93,6 @@ std::string exif_block(const Exposure& exposure) {
   return out + exif_directory(exposure, kExif);
 }
 
-/// JPEG: an APP1 segment (EXIF 2.3, 4.5.4) among the leading APPn segments, in place of the empty one that
-/// OpenImageIO writes.
-std::string with_app1(const std::string& jpeg, const Exposure& exposure) {
-  const std::string signature("Exif\0\0", 6), body = signature + exif_block(exposure);
-  std::string segments;
-  std::size_t at = 2;  // after SOI
-  while (jpeg.at(at) == '\xff' && (get(jpeg, at + 1, 1) & 0xf0) == 0xe0) {
-    const std::size_t bytes = 2 + get(jpeg, at + 2, 1) * 256u + get(jpeg, at + 3, 1);
-    if (jpeg.compare(at + 4, signature.size(), signature) != 0) segments += jpeg.substr(at, bytes);
-    at += bytes;
-  }
-  segments += "\xff\xe1";
-  put_big_endian(segments, static_cast<std::uint32_t>(body.size() + 2), 2);
-  return jpeg.substr(0, 2) + segments + body + jpeg.substr(at);
-}
-
 /// PNG: CRC-32 of the chunk's type and data (PNG 1.2, annex D).
 std::uint32_t crc32(const std::string& bytes) {
   std::uint32_t crc = 0xffffffffu;
@@ -158,10 +142,26 @@ std::string with_exif_directory(std::string tiff, const Exposure& exposure) {
 
 }  // namespace
 
+/// JPEG: an APP1 segment (EXIF 2.3, 4.5.4) among the leading APPn segments, in place of the empty one that
+/// OpenImageIO writes.
+std::string jpeg_with_exposure(const std::string& jpeg, const Exposure& exposure) {
+  const std::string signature("Exif\0\0", 6), body = signature + exif_block(exposure);
+  std::string segments;
+  std::size_t at = 2;  // after SOI
+  while (jpeg.at(at) == '\xff' && (get(jpeg, at + 1, 1) & 0xf0) == 0xe0) {
+    const std::size_t bytes = 2 + get(jpeg, at + 2, 1) * 256u + get(jpeg, at + 3, 1);
+    if (jpeg.compare(at + 4, signature.size(), signature) != 0) segments += jpeg.substr(at, bytes);
+    at += bytes;
+  }
+  segments += "\xff\xe1";
+  put_big_endian(segments, static_cast<std::uint32_t>(body.size() + 2), 2);
+  return jpeg.substr(0, 2) + segments + body + jpeg.substr(at);
+}
+
 void embed_exposure(const Path& file, const Exposure& exposure) {
   if (!exposure.seconds && !exposure.f_number && !exposure.iso) return;
   const std::string bytes = read_text(file);
-  if (bytes.starts_with("\xff\xd8")) return write_text(file, with_app1(bytes, exposure));
+  if (bytes.starts_with("\xff\xd8")) return write_text(file, jpeg_with_exposure(bytes, exposure));
   if (bytes.starts_with("\x89PNG")) return write_text(file, with_exif_chunk(bytes, exposure));
   HDR_ASSERT(bytes.starts_with(std::string("II*\0", 4)));
   write_text(file, with_exif_directory(bytes, exposure));

@@ -17,6 +17,7 @@ namespace {
 // ITU-T T.81, table B.1.
 enum Marker : std::uint8_t {
   kStuffing = 0x00,  ///< FF00: the byte FF of entropy-coded data
+  kDht = 0xc4,
   kSoi = 0xd8,
   kEoi = 0xd9,
   kSos = 0xda,
@@ -36,9 +37,11 @@ class MarkerWalk {
   bool reaches_end() {
     at_ = 2;  // after SOI
     while (const std::optional<std::uint8_t> code = next_marker()) {
+      layout_.end = at_;
       if (*code == kEoi) return true;
       if (is_restart(*code) || *code == kSoi || *code == 0x01) continue;  // markers that stand alone
       if (*code == kSos) ++layout_.scans;
+      if (*code == kDht) layout_.huffman_tables = true;
       if (!skip_segment(*code)) return false;
     }
     return false;
@@ -103,17 +106,20 @@ std::string slurp_if_jpeg(const Path& path) {
 }  // namespace
 
 std::optional<JpegLayout> vet_jpeg(const Path& path) {
-  const std::string bytes = slurp_if_jpeg(path);
-  if (bytes.empty()) return std::nullopt;
+  return vet_jpeg(slurp_if_jpeg(path), path.string());
+}
+
+std::optional<JpegLayout> vet_jpeg(const std::string& bytes, const std::string& name) {
+  if (!bytes.starts_with("\xff\xd8")) return std::nullopt;
   MarkerWalk walk(bytes);
   if (!walk.reaches_end()) {
     throw Error(
         fmt::format("{}: truncated: the file stops after {} bytes, before the end of the picture; copy it "
                     "again from the camera",
-                    path.string(), bytes.size()));
+                    name, bytes.size()));
   }
   if (walk.icc_is_damaged()) {
-    throw Error(path.string() + ": its colour profile (ICC) is damaged; save the picture again without it");
+    throw Error(name + ": its colour profile (ICC) is damaged; save the picture again without it");
   }
   return walk.layout();
 }

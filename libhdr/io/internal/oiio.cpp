@@ -11,6 +11,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/io/internal/dng_file.h"
 #include "libhdr/io/internal/jpeg_file.h"
 #include "libhdr/io/internal/jpeg_markers.h"
 
@@ -103,6 +104,11 @@ OpenedPicture open_picture_for_rows(const Path& path) {
   };
   check_file(path);
   share_threads();
+  if (is_dng_name(path)) {
+    const auto dng = open_dng(path);
+    check_size(path, dng->spec());
+    return {dng, false};
+  }
   const auto opened = std::make_shared<Opened>();
   const std::optional<JpegLayout> jpeg = vet_jpeg(path);
   if (jpeg) opened->file = jpeg_without_profiles(path, jpeg->profiles);
