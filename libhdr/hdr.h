@@ -14,6 +14,7 @@
 #include "libhdr/core/color.h"      // luminance, sRGB
 #include "libhdr/core/error.h"      // Error: file, fact, remedy
 #include "libhdr/core/image.h"      // Image owns, View borrows
+#include "libhdr/core/mosaic.h"     // a raw photograph
 #include "libhdr/core/parallel.h"   // set_threads, for_rows, reduce_rows
 #include "libhdr/core/photo.h"      // Photo: codes; Bracket
 #include "libhdr/core/photometry.h"  // cd/m^2 from the exposure
@@ -23,6 +24,8 @@
 #include "libhdr/core/version.h"
 
 #include "libhdr/io/bracket.h"        // read_bracket: SHOTS with their exposures
+#include "libhdr/io/demosaic.h"       // three colours from a Bayer mosaic
+#include "libhdr/io/dng.h"            // raw photographs in files
 #include "libhdr/io/exposure_list.h"  // exposures from a text file
 #include "libhdr/io/map_scale.h"      // the unit of a map that was written
 #include "libhdr/io/read.h"           // read_photo, read_map, read_info

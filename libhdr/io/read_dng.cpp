@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "libhdr/core/error.h"
@@ -36,6 +37,9 @@ std::optional<Cfa> cfa_of(LibRaw& raw) {
 
 /// A file that was opened, its header read.
 std::unique_ptr<LibRaw> opened(const Path& path) {
+  if (std::error_code failed; !std::filesystem::exists(path, failed)) {
+    throw Error(path.string() + ": no such file; check the name");
+  }
   auto raw = std::make_unique<LibRaw>();
   require(raw->open_file(path.c_str()), path);
   const libraw_iparams_t& what = raw->imgdata.idata;
