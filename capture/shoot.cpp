@@ -4,31 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "capture/verify.h"
 
 namespace hdr {
 namespace {
-
-/// Frames are in flight when an exposure is set: wait for the first that was taken with it.
-Frame frame_with(Camera& camera, const ExposureSetting& setting, const ShootOptions& options) {
-  const Capabilities limits = camera.capabilities();
-  const ExposureSetting expected{limits.seconds.snap(setting.seconds), limits.gain.snap(setting.gain)};
-  camera.set(setting);
-  for (int k = 0; k <= options.max_latency; ++k) {
-    const auto exposing =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(expected.seconds));
-    Frame frame = camera.next_frame(camera.now() + exposing + options.frame_deadline);
-    if (options.on_frame) options.on_frame(frame);
-    if (frame.reported && std::abs(std::log(frame.reported->total() / expected.total())) < 0.01) {
-      frame.detach();
-      frame.exposure = frame.reported;
-      frame.verified = Verified::kMetadata;
-      return frame;
-    }
-  }
-  throw CameraError(CameraError::Kind::kTimeout,
-                    fmt::format("{}: {} s was asked and none of {} frames was taken with it", limits.uri,
-                                setting.seconds, options.max_latency + 1));
-}
 
 class Running {
  public:
@@ -41,18 +22,145 @@ class Running {
   Camera& camera_;
 };
 
+bool same(double total, double other) {
+  return std::abs(std::log(total / other)) < 0.01;
+}
+
+const VerifiedFrame* taken_already(const Verifier& verifier, const ExposureSetting& setting) {
+  for (const VerifiedFrame& known : verifier.verified()) {
+    const ExposureSetting& exposure = *known.frame.exposure;
+    if (same(exposure.seconds, setting.seconds) && same(exposure.gain, setting.gain)) return &known;
+  }
+  return nullptr;
+}
+
+std::vector<Probe> probes_of(const Verifier& verifier) {
+  std::vector<Probe> probes;
+  for (const VerifiedFrame& known : verifier.verified()) {
+    probes.push_back({known.frame.exposure->total(), &known.appearance});
+  }
+  return probes;
+}
+
+/// The device does not go as far as it says: from now on its range ends at the last exposure that was verified.
+void narrow(Capabilities& limits, const Verifier& verifier, const ExposureSetting& refused) {
+  double shortest = HUGE_VAL, longest = 0, gain = limits.gain.min;
+  for (const VerifiedFrame& known : verifier.verified()) {
+    shortest = std::min(shortest, known.frame.exposure->seconds);
+    longest = std::max(longest, known.frame.exposure->seconds);
+    gain = std::max(gain, known.frame.exposure->gain);
+  }
+  if (refused.gain > gain) {
+    limits.gain.max = gain;
+  } else if (refused.seconds > longest) {
+    limits.seconds.max = longest;
+  } else if (refused.seconds < shortest) {
+    limits.seconds.min = shortest;
+  }
+}
+
+class Shoot {
+ public:
+  Shoot(Camera& camera, const BracketRequest& request, const ShootOptions& options)
+      : camera_(camera), request_(request), options_(options), limits_(camera.capabilities()) {}
+
+  Take run() {
+    const ExposureSetting first = setting_near(
+        request_.times.empty() ? 1.0 / 60 : *std::min_element(request_.times.begin(), request_.times.end()), limits_,
+        request_.mains_hz);
+    const Running running(camera_,
+                          limits_.reports_exposure ? first : setting_near(1.0 / 60, limits_, request_.mains_hz));
+    Verifier verifier(camera_, limits_.reports_exposure ? first : setting_near(1.0 / 60, limits_, request_.mains_hz),
+                      {options_.frame_deadline, options_.max_latency, options_.on_frame});
+    const auto started = camera_.now();
+    verifier.prepare();
+    const auto prepared = camera_.now();
+    take_.prepare_seconds = seconds(prepared - started);
+    if (request_.times.empty()) probe(verifier);
+    make_plan(verifier);
+    const auto probed = camera_.now();
+    take_.probe_seconds = seconds(probed - prepared);
+    take_shots(verifier);
+    take_.bracket_seconds = seconds(camera_.now() - probed);
+    take_.latency = verifier.latency().value_or(0);
+    return std::move(take_);
+  }
+
+ private:
+  static double seconds(std::chrono::steady_clock::duration duration) {
+    return std::chrono::duration<double>(duration).count();
+  }
+
+  void probe(Verifier& verifier) {
+    request_.response_known = request_.response_known || verifier.model().usable().linear;
+    while (const auto probe = next_probe(probes_of(verifier), verifier.model(), limits_, request_.mains_hz)) {
+      if (verifier.take(*probe)) continue;
+      take_.warnings.push_back(verifier.why_not());
+      narrow(limits_, verifier, *probe);
+    }
+  }
+
+  void make_plan(const Verifier& verifier) {
+    if (!request_.times.empty()) {
+      take_.plan = plan_times(limits_, request_);
+      return;
+    }
+    const std::vector<Probe> probes = probes_of(verifier);
+    const LightLevels light = light_levels(probes, verifier.model());
+    take_.plan = request_.grid ? plan_grid(light, limits_, request_)
+                               : plan_auto(light, window_of(verifier.model()), probes, limits_, request_);
+  }
+
+  /// Those next to what is verified come first: an exposure is verified against its neighbours.
+  std::vector<std::size_t> order(double from) const {
+    std::vector<std::size_t> order(take_.plan.shots.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const double to_a = std::log(take_.plan.shots[a].setting.total() / from);
+      const double to_b = std::log(take_.plan.shots[b].setting.total() / from);
+      return (to_a < 0) != (to_b < 0) ? to_a < 0 : std::abs(to_a) < std::abs(to_b);
+    });
+    return order;
+  }
+
+  void take_shots(Verifier& verifier) {
+    std::vector<const VerifiedFrame*> kept(take_.plan.shots.size());
+    std::size_t done = 0;
+    for (const std::size_t k : order(verifier.verified().back().frame.exposure->total())) {
+      const ExposureSetting& setting = take_.plan.shots[k].setting;
+      kept[k] = taken_already(verifier, setting);
+      if (!kept[k]) {
+        kept[k] = verifier.take(setting);
+        ++take_.taken;
+      }
+      if (!kept[k]) take_.warnings.push_back(verifier.why_not() + "; left out");
+      if (options_.progress) options_.progress(++done, kept.size());
+    }
+    Plan& plan = take_.plan;
+    std::vector<PlannedShot> shots;
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      if (!kept[k]) continue;
+      shots.push_back(plan.shots[k]);
+      take_.frames.push_back(kept[k]->frame);
+    }
+    plan.shots = std::move(shots);
+    if (take_.frames.empty()) {
+      throw CameraError(CameraError::Kind::kTimeout,
+                        limits_.uri + ": no exposure could be verified: " + take_.warnings.back());
+    }
+  }
+
+  Camera& camera_;
+  BracketRequest request_;
+  const ShootOptions& options_;
+  Capabilities limits_;
+  Take take_;
+};
+
 }  // namespace
 
 Take shoot(Camera& camera, const BracketRequest& request, const ShootOptions& options) {
-  Take take;
-  for (const double seconds : request.times) take.plan.shots.push_back({{seconds, 1}, "the times were given"});
-  if (take.plan.shots.empty()) throw Error("no exposure times; pass --times");
-  const Running running(camera, take.plan.shots.front().setting);
-  for (const PlannedShot& shot : take.plan.shots) {
-    take.frames.push_back(frame_with(camera, shot.setting, options));
-    if (options.progress) options.progress(take.frames.size(), take.plan.shots.size());
-  }
-  return take;
+  return Shoot(camera, request, options).run();
 }
 
 }  // namespace hdr
