@@ -1,11 +1,14 @@
 #include "capture/appearance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "capture/develop.h"
-#include "capture/raw_rows.h"
+#include "capture/internal/unpack.h"
+#include "libhdr/core/error.h"
 
 namespace hdr {
 namespace {
@@ -43,14 +46,18 @@ class Tiles {
 
 void count_raw(const Frame& frame, Appearance& appearance) {
   const FrameFormat& format = frame.format;
+  if (!frame.is_whole()) {
+    throw Error(fmt::format("frame {}: {} bytes are too few for {}; take it again", frame.sequence, frame.bytes.size(),
+                            to_text(format)));
+  }
   const bool bayer = is_bayer(format.pixels);
   std::vector<std::uint16_t> codes(static_cast<std::size_t>(format.size.width));
   Tiles tiles(format.size);
   for (int y = 0; y < format.size.height; ++y) {
-    unpack_row(row_of(frame, y), format.pixels, codes);
+    internal::unpack_row(format.pixels, frame.bytes.data() + y * format.stride_bytes, format.size.width, codes.data());
     for (int x = 0; x < format.size.width; ++x) {
       const std::uint16_t code = codes[static_cast<std::size_t>(x)];
-      const int colour = bayer ? colour_of(format.cfa, x, y) : 0;
+      const int colour = bayer ? cfa_channel(format.cfa, x, y) : 0;
       auto& counts = appearance.colours[static_cast<std::size_t>(colour)].counts;
       ++counts[std::min<std::size_t>(code, counts.size() - 1)];
       if (!bayer || colour == 1) tiles.add(x, y, code);
@@ -85,7 +92,7 @@ UsableCodes usable_codes(const FrameFormat& format) {
   // What develop() makes of the other formats has the full range.
   usable.black = raw ? format.black_level : 0;
   usable.white = raw ? format.white_level : std::ldexp(1.0, bits_of(format.pixels)) - 1;
-  usable.linear = is_bayer(format.pixels);
+  usable.linear = is_linear(format);
   const double range = usable.white - usable.black;
   usable.floor = usable.black + (bits_of(format.pixels) > 8 ? std::max(8.0, range / 512) : range * 16 / 255);
   usable.ceiling = usable.black + 0.98 * range;

@@ -120,6 +120,14 @@ const char* name_of(Verified verified) {
   return "none";
 }
 
+bool Frame::is_whole() const {
+  if (format.pixels == PixelFormat::kMjpeg) return !bytes.empty();
+  // The last row may end without its padding.
+  const std::ptrdiff_t needed =
+      (format.size.height - 1) * format.stride_bytes + row_bytes_of(format.pixels, format.size.width);
+  return static_cast<std::ptrdiff_t>(bytes.size()) >= needed;
+}
+
 void Frame::detach() {
   auto copy = std::make_shared<std::vector<std::uint8_t>>(bytes.begin(), bytes.end());
   bytes = *copy;

@@ -84,6 +84,9 @@ struct Frame {
   Verified verified = Verified::kNone;  ///< decided by verify.h: cameras leave it alone
   std::optional<ExposureSetting> exposure;  ///< what it was taken with; present when it is verified
 
+  /// Whether the bytes can hold the picture that the format promises. Of a compressed one nothing is known but that it
+  /// is not empty.
+  bool is_whole() const;
   /// Copies the bytes and lets the device's buffer go: a bracket's frames are kept longer than a camera has buffers.
   void detach();
 };

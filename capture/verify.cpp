@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/raw_rows.h"
-
 namespace hdr {
 namespace {
 
@@ -22,6 +20,18 @@ constexpr int kAttempts = 3;  ///< at exposures that the device follows
 
 std::chrono::steady_clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+/// nullopt for a frame that is short or cannot be decoded, which nobody marked.
+std::optional<Appearance> look(const Frame& frame) {
+  if (!frame.is_whole()) return std::nullopt;
+  try {
+    return appearance_of(frame);
+  } catch (const CameraError&) {
+    throw;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 bool same(double total, double other) {
@@ -87,8 +97,9 @@ std::optional<Verifier::Sight> Verifier::settled(int skip, int tries) {
     const int since = since_set(frame);
     if (since < skip) continue;
     ++k;
-    if (!is_whole(frame)) continue;
-    Sight sight{frame, appearance_of(frame), since};
+    std::optional<Appearance> appearance = look(frame);
+    if (!appearance) continue;
+    Sight sight{std::move(frame), std::move(*appearance), since};
     if (before && agree(before->appearance, sight.appearance)) return sight;
     before = std::move(sight);
   }
@@ -98,7 +109,7 @@ std::optional<Verifier::Sight> Verifier::settled(int skip, int tries) {
 /// A frame that shows something, whatever exposure that takes; where it may not be longer, one that is not clipped.
 Verifier::Sight Verifier::first_sight(bool may_be_longer) {
   // The latency is not known yet: wait for the longest there is.
-  const auto look = [&]() -> Sight {
+  const auto settle = [&]() -> Sight {
     std::optional<Sight> sight = settled(options_.max_latency + 1, 2 * kTriesAfterLatency);
     if (!sight) {
       throw CameraError(Kind::kTimeout, limits_.uri +
@@ -107,7 +118,7 @@ Verifier::Sight Verifier::first_sight(bool may_be_longer) {
     }
     return std::move(*sight);
   };
-  Sight sight = look();
+  Sight sight = settle();
   double factor = 8;
   bool was_clipped = false, was_dark = false;
   for (int k = 0; k < 8 && !shows_something(sight.appearance); ++k) {
@@ -119,7 +130,7 @@ Verifier::Sight Verifier::first_sight(bool may_be_longer) {
     if (same(other.total(), set_.total())) break;  // at the device's limit
     set(other);
     const Appearance before = std::move(sight.appearance);
-    sight = look();
+    sight = settle();
     if (!clipped && agree(before, sight.appearance)) break;  // it does not get brighter
   }
   return sight;
@@ -135,8 +146,10 @@ bool Verifier::step_from(const Sight& base, double factor) {
   std::optional<Sight> moved;
   for (int k = 0; k <= options_.max_latency + kTriesAfterLatency; ++k) {
     Frame frame = next();
-    if (!is_whole(frame)) continue;
-    Sight sight{frame, appearance_of(frame), since_set(frame)};
+    const int since = since_set(frame);
+    std::optional<Appearance> appearance = look(frame);
+    if (!appearance) continue;
+    Sight sight{std::move(frame), std::move(*appearance), since};
     const auto ratio = model_->ratio(base.appearance, sight.appearance);
     if (!ratio) continue;
     told = true;
@@ -252,16 +265,16 @@ const VerifiedFrame* Verifier::take_by_metadata(const ExposureSetting& setting) 
   const bool change = !verified_.empty() && !same(set_.total(), setting.total());
   set(setting);
   std::optional<ExposureSetting> reported;
-  int reports = 0;
   for (int arrivals = 0; arrivals < options_.max_latency + kTriesAfterLatency; ++arrivals) {
     Frame frame = next();
-    if (!is_whole(frame) || !frame.reported) continue;
-    ++reports;
+    if (!frame.reported) continue;
     reported = frame.reported;
     if (frame.timestamp < set_at_.time_since_epoch() || !same(reported->total(), setting.total())) continue;
     const int since = since_set(frame);
     if (change) latency_ = std::min(latency_.value_or(since), since);
-    Sight sight{frame, appearance_of(frame), since};
+    std::optional<Appearance> appearance = look(frame);
+    if (!appearance) continue;
+    Sight sight{std::move(frame), std::move(*appearance), since};
     if (!model_) model_.emplace(sight.appearance.usable);
     return keep(std::move(sight), *reported, Verified::kMetadata);
   }
@@ -287,8 +300,10 @@ const VerifiedFrame* Verifier::take_by_brightness(const ExposureSetting& setting
     const int since = since_set(frame);
     if (since < skip && !learning) continue;
     ++k;
-    if (!is_whole(frame) || frame.timestamp < set_at_.time_since_epoch()) continue;
-    Sight sight{frame, appearance_of(frame), since};
+    if (frame.timestamp < set_at_.time_since_epoch()) continue;
+    std::optional<Appearance> appearance = look(frame);
+    if (!appearance) continue;
+    Sight sight{std::move(frame), std::move(*appearance), since};
     if (before && agree(before->appearance, sight.appearance)) {
       agreed = true;
       const Verdict verdict = judge(sight.appearance, setting, seeming);

@@ -15,7 +15,7 @@ struct VirtualSensor {
 };
 
 /// `radiance` is width x height x 3; `gain` is the share of full well that unit radiance fills. Noise is a function of
-/// (seed, pixel, channel). Throws Error for a format that cannot be made.
+/// (seed, pixel, channel). Bayer formats are linear, the others have the response; grey is luminance.
 std::vector<std::uint8_t> encode(View<const float> radiance, double gain, const VirtualSensor& sensor,
                                  const FrameFormat& format, std::uint64_t seed);
 

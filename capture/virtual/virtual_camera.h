@@ -95,7 +95,7 @@ class VirtualCamera : public Camera {
   bool running_ = false;
 };
 
-/// Opens "virtual:SCENE.exr?OPTIONS"; see virtual_uri.h.
+/// Opens "virtual:SCENE.exr?OPTIONS", see virtual_uri.h. Throws CameraError, and Error for a scene that cannot be read.
 std::unique_ptr<Camera> open_virtual_camera(const std::string& uri);
 std::vector<CameraName> list_virtual_cameras();
 
