@@ -33,17 +33,10 @@ void require_all_rows(const Frame& frame) {
     throw Error(fmt::format("{}: rows of {} bytes for {} of {}; the driver contradicts itself", name_of(frame),
                             format.stride_bytes, row, to_text(format)));
   }
-  const std::ptrdiff_t needed = format.stride_bytes * (format.size.height - 1) + row;
-  if (static_cast<std::ptrdiff_t>(frame.bytes.size()) < needed) {
-    throw Error(fmt::format("{}: short: {} of {} bytes; take it again", name_of(frame), frame.bytes.size(), needed));
+  if (!frame.is_whole()) {
+    throw Error(
+        fmt::format("{}: short: {} bytes for {}; take it again", name_of(frame), frame.bytes.size(), to_text(format)));
   }
-}
-
-Exposure exposure_of(const Frame& frame, const DevelopOptions& options) {
-  const ExposureSetting setting = exposure_setting(frame);
-  Exposure exposure{setting.seconds, options.f_number, std::nullopt, 0};
-  if (options.iso) exposure.iso = *options.iso * setting.gain;
-  return exposure;
 }
 
 Image<std::uint8_t> from_yuyv(const Frame& frame) {
@@ -96,8 +89,11 @@ bool is_linear(const FrameFormat& format) {
   return is_bayer(format.pixels);
 }
 
-ExposureSetting exposure_setting(const Frame& frame) {
-  return frame.exposure.value_or(frame.requested);
+Exposure exposure_of(const Frame& frame, const DevelopOptions& options) {
+  const ExposureSetting setting = frame.exposure.value_or(frame.requested);
+  Exposure exposure{setting.seconds, options.f_number, std::nullopt, 0};
+  if (options.iso) exposure.iso = *options.iso * setting.gain;
+  return exposure;
 }
 
 Mosaic mosaic_from(const Frame& frame, const DevelopOptions& options) {

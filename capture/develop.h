@@ -12,18 +12,17 @@ namespace hdr {
 /// (YUYV, JPEG, RGB, grey) has a response that must be calibrated.
 bool is_linear(const FrameFormat& format);
 
-/// What the frame was exposed with, verified, else as it was asked.
-ExposureSetting exposure_setting(const Frame& frame);
-
 struct DevelopOptions {
   std::optional<double> f_number;  ///< of the lens
   std::optional<double> iso;       ///< at gain 1; ISO = iso * gain
 };
 
-/// RGB codes with the frame's exposure (seconds as exposure_setting() has them):
-///   kGrey8, kRgb8, kYuyv, kMjpeg   8 bits as the camera means them. YUYV: [BT601] with chroma interpolated where it
-///   was
-///                                  left out; lossy, as JPEG is
+/// What the frame was exposed with: as it was verified, else as it was asked.
+Exposure exposure_of(const Frame& frame, const DevelopOptions& options = {});
+
+/// RGB codes with exposure_of() the frame:
+///   kGrey8, kRgb8, kYuyv, kMjpeg   8 bits as the camera means them. YUYV [BT601]: chroma is interpolated where it was
+///                                  left out, and lossy, as JPEG's is
 ///   kGrey10 .. kGrey16, kRgb16     16 bits, black level at 0 and white level at 65535
 ///   Bayer                          16 bits, linear, demosaiced (libhdr/io/demosaic.h)
 /// A frame with fewer bytes than its format needs, or a damaged JPEG, throws Error.

@@ -240,4 +240,10 @@ std::optional<ListFormat> list_format_from_name(const std::string& name) {
   return std::nullopt;
 }
 
+std::string text_from_seconds(double seconds) {
+  const double inverse = std::round(1 / seconds);
+  if (inverse >= 3 && std::abs(inverse * seconds - 1) < 0.002) return fmt::format("1/{} s", inverse);
+  return fmt::format("{:.4g} s", seconds);
+}
+
 }  // namespace hdr

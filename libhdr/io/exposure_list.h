@@ -29,6 +29,9 @@ std::vector<ListedExposure> parse_exposure_list(const std::string& text, const s
                                                 ListFormat format = ListFormat::kAuto,
                                                 const std::vector<std::optional<double>>& brightness = {});
 
+/// "1/60 s", "0.3 s", "2 s": a shutter time as people write it.
+std::string text_from_seconds(double seconds);
+
 std::optional<ListFormat> list_format_from_name(const std::string& name);  ///< "auto", "seconds", "inverse", "hdrgen"
 
 }  // namespace hdr

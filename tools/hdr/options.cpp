@@ -101,7 +101,10 @@ CalibrateOptions CalibrateFlags::options() const {
 }
 
 void MergeFlags::declare(CLI::App& app) {
-  app.add_option("--response", response, "fit (from these shots), a response file, srgb, linear, gamma:2.2")
+  app.add_option(
+         "--response", response,
+         "fit (from these shots), a response file, srgb, linear, gamma:2.2; auto: what the bracket.json of their "
+         "folder says, else fit")
       ->capture_default_str();
   app.add_option("--weight", weight, "how shots are weighted; auto looks at the file type")
       ->check(CLI::IsMember({"auto", "hat", "variance"}))

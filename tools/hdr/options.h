@@ -41,7 +41,7 @@ struct CalibrateFlags {
 };
 
 struct MergeFlags {
-  std::string response = "fit";
+  std::string response = "auto";
   std::string weight = "auto";
   std::string flat;
   std::optional<double> black_level;

@@ -11,6 +11,7 @@
 #include "libhdr/response/response_file.h"
 #include "tools/hdr/flat_field.h"
 #include "tools/hdr/scale_step.h"
+#include "tools/hdr/shots_output.h"
 
 namespace hdr::tools {
 namespace {
@@ -55,6 +56,15 @@ Json flat(const Mat3& m) {
     for (int c = 0; c < 3; ++c) numbers.push_back(m(r, c));
   }
   return numbers;
+}
+
+/// --response, or what the shots' folder says of it. What decides pixels belongs in the provenance, wherever it stands.
+std::string response_text(Run& run, const MergePipelineOptions& options) {
+  if (options.merge.response != "auto") return options.merge.response;
+  const std::optional<std::string> noted = response_of_folder(expand_shots(options.shots.files));
+  if (!noted) return "fit";
+  run.options += (run.options.empty() ? "" : " ") + ("--response " + Path(*noted).filename().string());
+  return *noted;
 }
 
 }  // namespace
@@ -133,13 +143,16 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   const MapScale like = scale_like(options.scale);
   inputs.bracket = read_shots(run, options.shots);
   require_same_terms(options.scale, like, inputs.bracket);
-  const std::optional<Response> known = known_response(options.merge.response, inputs.bracket.bits());
+  const std::string response = response_text(run, options);
+  const std::optional<Response> known = known_response(response, inputs.bracket.bits());
   inputs.alignment = align_shots(run, inputs.bracket, known, method);
   inputs.options = options.merge.options();
   if (known) {
     inputs.response = *known;
     run.stage("calibrate", [] {});
-    run.clock.skipped("the response was given");
+    run.clock.skipped(options.merge.response == "auto"
+                          ? "the response is in bracket.json: " + Path(response).filename().string()
+                          : "the response was given");
   } else {
     Calibration calibration = calibrate_shots(run, inputs.bracket, inputs.alignment, options.calibrate);
     answer_calibration(run, inputs.bracket, calibration);

@@ -191,7 +191,7 @@ int simulate(Run& run, const Options& o) {
     }
   });
   run.stage("write", [&] {
-    write_map(Path(o.output) / "truth.exr", truth, provenance_of(run, Path(o.scene)), {SampleType::kFloat, "zip"});
+    write_map(output.place("truth.exr"), truth, provenance_of(run, Path(o.scene)), {SampleType::kFloat, "zip"});
   });
   Json json = {{"files", output.names()},
                {"times_true", times},
@@ -204,7 +204,7 @@ int simulate(Run& run, const Options& o) {
     json["ball"] = {{"cx", ball->disc.cx}, {"cy", ball->disc.cy}, {"r", ball->disc.r}};
     json["ball"]["distance"] = std::isfinite(ball->distance) ? Json(ball->distance) : Json(nullptr);
   }
-  output.write_json(json);
+  output.commit(json);
   run.answer["frames"] = output.rows();
   run.answer["ball"] = json["ball"];
   run.say(fmt::format("{} shots of {}x{} in {}", times.size(), size.width, size.height, o.output));

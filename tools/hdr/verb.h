@@ -55,6 +55,7 @@ struct Verb {
 std::function<int(Run&)> declare_info(CLI::App& app);
 std::function<int(Run&)> declare_simulate(CLI::App& app);
 std::function<int(Run&)> declare_shoot(CLI::App& app);
+std::function<int(Run&)> declare_cameras(CLI::App& app);
 std::function<int(Run&)> declare_calibrate(CLI::App& app);
 std::function<int(Run&)> declare_align(CLI::App& app);
 std::function<int(Run&)> declare_merge(CLI::App& app);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "libhdr/core/error.h"
+#include "libhdr/io/exposure_list.h"
 
 namespace hdr::internal {
 namespace {
@@ -112,12 +113,6 @@ void refuse_contradicted_times(const std::vector<Photo>& shots, const std::vecto
                       text_from_seconds(*b.exposure.seconds)));
     }
   }
-}
-
-std::string text_from_seconds(double seconds) {
-  const double inverse = std::round(1 / seconds);
-  if (inverse >= 3 && std::abs(inverse * seconds - 1) < 0.002) return fmt::format("1/{} s", inverse);
-  return fmt::format("{:.4g} s", seconds);
 }
 
 }  // namespace hdr::internal

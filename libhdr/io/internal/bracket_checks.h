@@ -28,7 +28,4 @@ void require_different_exposures(const std::vector<Photo>& shots);
 /// `shots` rise in exposure; brightness[i] belongs to shots[i].
 void refuse_contradicted_times(const std::vector<Photo>& shots, const std::vector<Brightness>& brightness);
 
-/// "1/60 s", "0.3 s", "2 s".
-std::string text_from_seconds(double seconds);
-
 }  // namespace hdr::internal
