@@ -19,9 +19,10 @@ namespace {
 constexpr Verb kVerbs[] = {
     {"probe", "the main job", "photographs of a mirror ball -> a light probe", "hdr probe shots/ -o probe.exr",
      declare_probe},
-    {"shoot", "photographs", "takes a bracket with a camera",
-     "hdr shoot --camera virtual:scene.exr --auto -o shots", declare_shoot},
-    {"cameras", "photographs", "lists the cameras, their formats and exposure ranges", "hdr cameras", declare_cameras},
+    {"shoot", "photographs", "takes a bracket with a camera", "hdr shoot --camera virtual:scene.exr --auto -o shots",
+     declare_shoot},
+    {"cameras", "photographs", "lists the cameras, their formats and exposure ranges", "hdr cameras --json",
+     declare_cameras},
     {"simulate", "photographs", "photographs a radiance map with a camera model, truth included",
      "hdr simulate scene.exr --ball --times 1/1000,1/250,1/60,1/15 -o shots", declare_simulate},
     {"info", "photographs", "what is in a file: every pixel is read", "hdr info shots/*.jpg", declare_info},
