@@ -46,8 +46,9 @@ std::string histogram_line(const Appearance& appearance, const ExposureSetting& 
 
 LiveView::LiveView(bool silent) : on_(!silent && isatty(STDERR_FILENO) == 1) {}
 
-LiveView::~LiveView() {
+void LiveView::clear() {
   if (drawn_) fmt::print(stderr, "\r\033[K");
+  drawn_ = false;
 }
 
 void LiveView::show(const Frame& frame) {

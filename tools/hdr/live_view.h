@@ -15,12 +15,13 @@ std::string histogram_line(const Appearance& appearance, const ExposureSetting& 
 class LiveView {
  public:
   explicit LiveView(bool silent);
-  ~LiveView();  ///< leaves no line behind
+  ~LiveView() { clear(); }
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
   bool on() const { return on_; }
   void show(const Frame& frame);
+  void clear();  ///< before other lines are printed
 
  private:
   bool on_, drawn_ = false;

@@ -241,9 +241,11 @@ int work(Run& run, const Options& o) {
   LiveView view(run.quiet || run.json);
   if (o.preview) {
     preview(*camera, view, o);
+    view.clear();
     if (o.output.empty()) return 0;
   }
   const Take take = take_bracket(run, *camera, request_of(o, format), view, o);
+  view.clear();
   for (const std::string& warning : take.warnings) run.warn(warning);
   for (const std::string& note : take.plan.notes) run.warn(note);
   write_bracket(run, *camera, format, take, o);
