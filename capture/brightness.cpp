@@ -18,7 +18,7 @@ constexpr int kQuantiles = 32;
 constexpr double kIndependent = 6;
 constexpr double kPairDeviation = 0.03;  ///< of a shutter and of the light between two frames, natural log
 constexpr double kRounding = 0.3;        ///< of a code
-constexpr double kFewestSamples = 48;
+constexpr double kFewestSamples = 32;
 
 }  // namespace
 

@@ -130,18 +130,22 @@ void sort(std::vector<ExposureSetting>& shots) {
 }
 
 /// Shots of the least number: in the middle of where they may stand, at probes where those are there already.
-std::vector<ExposureSetting> fewest(const Coverage& coverage, const std::vector<Probe>& probes,
+/// `careful` is the view with margins, `seen` the one without: neither may get worse.
+std::vector<ExposureSetting> fewest(const Coverage& careful, const Coverage& seen, const std::vector<Probe>& probes,
                                     const Capabilities& limits, const BracketRequest& request) {
-  std::vector<ExposureSetting> shots = coverage.longest_cover();
-  const std::vector<ExposureSetting> shortest = coverage.shortest_cover();
-  const std::size_t missed = coverage.missed(shots);
+  std::vector<ExposureSetting> shots = careful.longest_cover();
+  const std::vector<ExposureSetting> shortest = careful.shortest_cover();
+  const std::size_t missed = careful.missed(shots), missed_at_all = seen.missed(shots);
+  const auto as_good = [&](const std::vector<ExposureSetting>& others) {
+    return careful.missed(others) <= missed && seen.missed(others) <= missed_at_all;
+  };
   if (shortest.size() != shots.size()) return shots;
   // Between two covers there is another, except where an empty range of light makes shots change their tasks.
   std::vector<ExposureSetting> middle;
   for (std::size_t k = 0; k < shots.size(); ++k) {
     middle.push_back(setting_near(std::sqrt(shots[k].total() * shortest[k].total()), limits, request.mains_hz));
   }
-  if (coverage.missed(middle) <= missed) shots = middle;
+  if (as_good(middle)) shots = middle;
   for (ExposureSetting& shot : shots) {
     const ExposureSetting planned = shot;
     double nearest = HUGE_VAL;
@@ -151,7 +155,7 @@ std::vector<ExposureSetting> fewest(const Coverage& coverage, const std::vector<
       if (distance >= nearest || std::abs(std::log(there.total() / probe.total)) > 0.01) continue;
       const ExposureSetting before = shot;
       shot = there;
-      if (coverage.missed(shots) <= missed) {
+      if (as_good(shots)) {
         nearest = distance;
       } else {
         shot = before;
@@ -248,8 +252,9 @@ std::optional<ExposureSetting> next_probe(const std::vector<Probe>& probes, cons
 Plan plan_auto(const LightLevels& light, const Window& window, const std::vector<Probe>& probes,
                const Capabilities& limits, const BracketRequest& request) {
   const Coverage seen(light, window, limits, request), careful = seen.with_margin(kMargin);
-  const std::size_t least = seen.longest_cover().size();
-  std::vector<ExposureSetting> shots = fewest(careful, probes, limits, request);
+  // Where the margins cost a shot, that one is the one more.
+  const std::size_t least = seen.with_margin(-kMargin).longest_cover().size();
+  std::vector<ExposureSetting> shots = fewest(careful, seen, probes, limits, request);
   // A scene that is beyond the device, or that nothing of can be told: what the device has nearest to it.
   if (shots.empty()) {
     const double middle = light.ln_light[light.ln_light.size() / 2];

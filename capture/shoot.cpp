@@ -42,20 +42,26 @@ std::vector<Probe> probes_of(const Verifier& verifier) {
   return probes;
 }
 
-/// The device does not go as far as it says: from now on its range ends at the last exposure that was verified.
+/// The device does not go as far as it says: from now on its range ends a little before what the picture looked like,
+/// and when that is refused too, at the last exposure that was verified.
 void narrow(Capabilities& limits, const Verifier& verifier, const ExposureSetting& refused) {
+  constexpr double kBefore = 0.92;  // so precisely brightness tells an exposure
   double shortest = HUGE_VAL, longest = 0, gain = limits.gain.min;
   for (const VerifiedFrame& known : verifier.verified()) {
     shortest = std::min(shortest, known.frame.exposure->seconds);
     longest = std::max(longest, known.frame.exposure->seconds);
     gain = std::max(gain, known.frame.exposure->gain);
   }
+  const double seeming = verifier.seeming_total().value_or(0);
   if (refused.gain > gain) {
-    limits.gain.max = gain;
+    const double to = seeming / refused.seconds * kBefore;
+    limits.gain.max = to > gain && to < refused.gain * kBefore ? to : gain;
   } else if (refused.seconds > longest) {
-    limits.seconds.max = longest;
+    const double to = seeming / refused.gain * kBefore;
+    limits.seconds.max = to > longest && to < refused.seconds * kBefore ? to : longest;
   } else if (refused.seconds < shortest) {
-    limits.seconds.min = shortest;
+    const double to = seeming / refused.gain / kBefore;
+    limits.seconds.min = to < shortest && to > refused.seconds / kBefore ? to : shortest;
   }
 }
 

@@ -15,8 +15,11 @@ constexpr double kSame = 0.01;
 constexpr double kTolerance = 0.10;      ///< natural log: what a brightness may be off
 constexpr double kMostDeviation = 0.20;  ///< of a ratio that still tells something
 constexpr double kLadderStep = 2;
-constexpr int kTriesAfterLatency = 4;
-constexpr int kAttempts = 3;  ///< at exposures that the device follows
+constexpr int kTriesAfterLatency = 8;  ///< frames, of which two good ones in a row are needed
+constexpr int kRefusals = 2;           ///< pairs of frames that agree on another exposure
+constexpr double kWorthASecond = 1;    ///< seconds: where metadata are enough, a longer frame is not taken twice
+constexpr double kBridge = 0.7;        ///< EV: steps that short need no exposure between them
+constexpr int kAttempts = 3;           ///< at exposures that the device follows
 
 std::chrono::steady_clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
@@ -77,7 +80,8 @@ void Verifier::set(const ExposureSetting& setting) {
 
 Frame Verifier::next() {
   const double longest = std::max({set_.seconds, in_flight_seconds_, limits_.frame_seconds});
-  Frame frame = camera_.next_frame(camera_.now() + duration_of(longest) + options_.frame_deadline);
+  // Frames get lost: the deadline is for one that comes after two of those.
+  Frame frame = camera_.next_frame(camera_.now() + duration_of(3 * longest) + options_.frame_deadline);
   if (options_.on_frame) options_.on_frame(frame);
   last_sequence_ = frame.sequence;
   if (!any_frame_) set_sequence_ = frame.sequence - 1;
@@ -265,6 +269,7 @@ const VerifiedFrame* Verifier::take_by_metadata(const ExposureSetting& setting) 
   const bool change = !verified_.empty() && !same(set_.total(), setting.total());
   set(setting);
   std::optional<ExposureSetting> reported;
+  std::optional<Sight> before;
   for (int arrivals = 0; arrivals < options_.max_latency + kTriesAfterLatency; ++arrivals) {
     Frame frame = next();
     if (!frame.reported) continue;
@@ -275,6 +280,10 @@ const VerifiedFrame* Verifier::take_by_metadata(const ExposureSetting& setting) 
     std::optional<Appearance> appearance = look(frame);
     if (!appearance) continue;
     Sight sight{std::move(frame), std::move(*appearance), since};
+    if (set_.seconds <= kWorthASecond && !(before && agree(before->appearance, sight.appearance))) {
+      before = std::move(sight);
+      continue;
+    }
     if (!model_) model_.emplace(sight.appearance.usable);
     return keep(std::move(sight), *reported, Verified::kMetadata);
   }
@@ -292,6 +301,7 @@ const VerifiedFrame* Verifier::take_by_brightness(const ExposureSetting& setting
   set(setting);
   std::optional<Sight> before;
   bool told = false, agreed = false;
+  int refusals = 0;
   double seeming = 0;
   const int skip = latency_.value_or(0);
   const bool learning = verified_.size() < 3;  // the latency may have been measured on a frame that was lost
@@ -312,6 +322,8 @@ const VerifiedFrame* Verifier::take_by_brightness(const ExposureSetting& setting
         return keep(std::move(sight), setting, Verified::kBrightness);
       }
       told = verdict == Verdict::kOther;
+      // Pairs of frames that are as old as the latency allows do not count: it may have been a frame more this time.
+      if (told && since > skip + 1 && ++refusals >= kRefusals && !learning) break;
       if (verdict == Verdict::kCannotTell && since > skip) break;
     }
     before = std::move(sight);
@@ -329,7 +341,7 @@ const VerifiedFrame* Verifier::take_by_brightness(const ExposureSetting& setting
   }
   // Too far from what is known: an exposure between them may have codes in common with both.
   const double known = nearest(setting.total(), 1)[0]->frame.exposure->total();
-  if (bridges > 0 && std::abs(std::log2(setting.total() / known)) > 2) {
+  if (bridges > 0 && std::abs(std::log2(setting.total() / known)) > kBridge) {
     const ExposureSetting between = setting_for_total(std::sqrt(setting.total() * known), limits_);
     if (take_by_brightness(between, bridges - 1)) return take_by_brightness(setting, bridges - 1);
   }

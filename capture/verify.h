@@ -1,7 +1,7 @@
 #pragma once
 // Frames whose exposure is known. Asking a device for an exposure is no proof that it has it: devices clamp in silence,
 // go on metering, take some frames until they obey, and read back what they were told. So a frame is kept when
-//   the device says with the frame itself what it was exposed with (metadata); or
+//   the device says with the frame itself what it was exposed with (metadata), and, up to 1 s, the next frame agrees; or
 //   its timestamp is after the change, the picture moved as far as the asked exposure must move it, and the next frame
 //   agrees (brightness).
 // With an unknown response one step of brightness proves little: a gamma of 2 and a step of 1 EV look like linear light

@@ -67,6 +67,13 @@ Rgb sky(const Vec3& dir) {
   return (1 - up) * Rgb(26, 24, 22) + up * Rgb(9, 15, 26) + glow * Rgb(120, 95, 60);
 }
 
+/// The same without edges, for the light that comes through the window: it is summed from few directions.
+Rgb soft_sky(const Vec3& dir) {
+  const double above = std::clamp((dir.y() + 0.25) / 0.5, 0.0, 1.0), up = std::clamp(dir.y() / 0.5, 0.0, 1.0);
+  const double t = above * above * (3 - 2 * above);
+  return (1 - t) * Rgb(2.6, 3.0, 1.9) + t * ((1 - up) * Rgb(26, 24, 22) + up * Rgb(9, 15, 26));
+}
+
 Rgb wall_albedo(const Vec3& p, int axis) {
   if (axis == 1 && p.y() < 0.01) {  // boards, every third of another tree
     const int board = static_cast<int>(std::floor(p.x() / 0.18 + 100));
@@ -143,8 +150,7 @@ Rgb irradiance(const Vec3& p, const Vec3& n) {
     const Vec3 dir = to / std::sqrt(squared);
     const double form = std::max(0.0, n.dot(dir)) * std::max(0.0, dir.z()) * area / squared;
     if (form <= 0 || blocked(p, dir, std::sqrt(squared))) continue;
-    const Rgb light = sky(dir);
-    sum += form * light.min(40.0);  // the sun was counted
+    sum += form * soft_sky(dir);
   }
   const Vec3 to_lamp = kLamp - p;
   const double lamp_distance = to_lamp.norm();
@@ -174,7 +180,7 @@ Rgb radiance(const Vec3& origin, const Vec3& dir, int mirrors) {
 Image<float> built_in_scene(Size size) {
   HDR_ASSERT(size.width >= 16 && size.height >= 16);
   Image<float> scene(size, 3);
-  constexpr int kRays = 3;  // a side
+  constexpr int kRays = 2;  // a side
   const double pixel = 2 * std::tan(35 * kDegree) / size.width;
   for_rows(size.height, 8, [&](int first, int last) {
     for (int y = first; y < last; ++y) {

@@ -198,11 +198,14 @@ Frame VirtualCamera::next_frame(Clock::time_point deadline) {
 
     auto bytes =
         std::make_shared<std::vector<std::uint8_t>>(photograph(exposure, seconds_of(start - Clock::time_point{})));
-    if (strikes(options_.faults.torn, 2) && before_.size() == bytes->size()) {
-      std::copy(before_.begin() + static_cast<std::ptrdiff_t>(before_.size() / 2), before_.end(),
-                bytes->begin() + static_cast<std::ptrdiff_t>(before_.size() / 2));
+    if (options_.faults.torn > 0) {
+      const std::vector<std::uint8_t> whole = *bytes;
+      if (strikes(options_.faults.torn, 2) && before_.size() == whole.size()) {
+        const auto half = static_cast<std::ptrdiff_t>(whole.size() / 2);
+        std::copy(before_.begin() + half, before_.end(), bytes->begin() + half);
+      }
+      before_ = whole;
     }
-    if (options_.faults.torn > 0) before_ = *bytes;
     if (strikes(options_.faults.cut, 3)) bytes->resize(bytes->size() / 2);
     last_exposure_ = exposure;
     Frame frame;

@@ -8,25 +8,13 @@
 #include "capture/shoot.h"
 #include "capture/virtual/virtual_camera.h"
 #include "tests/support/support.h"
+#include "tests/unit/capture/witness.h"
 
 namespace hdr {
 namespace {
 
-/// Remembers what each frame truly had.
-class Witness : public VirtualCamera {
- public:
-  using VirtualCamera::VirtualCamera;
-  Frame next_frame(std::chrono::steady_clock::time_point deadline) override {
-    Frame frame = VirtualCamera::next_frame(deadline);
-    truth_.resize(std::max<std::size_t>(truth_.size(), frame.sequence + 1));
-    truth_[frame.sequence] = true_exposure();
-    return frame;
-  }
-  const ExposureSetting& truth(const Frame& frame) const { return truth_[frame.sequence]; }
-
- private:
-  std::vector<ExposureSetting> truth_;
-};
+using test::joined;
+using test::Witness;
 
 VirtualCameraOptions blind() {
   VirtualCameraOptions options;
@@ -37,12 +25,6 @@ VirtualCameraOptions blind() {
 
 Witness camera_of(const VirtualCameraOptions& options, double stops = 8) {
   return Witness("virtual:test", test::test_scene(96, 72, stops, 5), options);
-}
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += "\n  " + line;
-  return text;
 }
 
 void expect_truth(const Witness& camera, const Take& take, const std::string& what) {
