@@ -27,7 +27,7 @@ struct PlannedShot {
   std::string reason;  ///< "clips 0.04 % of the samples; 31 % are in no shorter one"
 };
 
-/// Shots in rising order of exposure.
+/// Shots in rising order of exposure; given times in their own.
 struct Plan {
   std::vector<PlannedShot> shots;
   std::vector<std::string>

@@ -60,7 +60,8 @@ class Parser {
       const auto [name, value] = named(option, '=');
       apply(name, value);
     }
-    if (!(uri_.options.frame_seconds > 0)) refuse("fps: give a positive number");
+    if (!(uri_.options.frame_seconds > 0) || !std::isfinite(uri_.options.frame_seconds))
+      refuse("fps: give a positive number");
     return uri_;
   }
 

@@ -137,5 +137,118 @@ TEST(Plan, CoversWhatTheDeviceCanInAtMostOneShotMoreThanTheFewest) {
   EXPECT_GE(tried, 50) << "the search by trying all sets checked too few cases";
 }
 
+/// Light that is spread evenly over these stops, about an exposure of 1 for the middle of the window.
+LightLevels even_light(double stops) {
+  LightLevels light;
+  for (int k = 0; k < kLightLevels; ++k) {
+    light.ln_light.push_back(-std::log(10) + std::log(2) * stops * ((k + 0.5) / kLightLevels - 0.5));
+  }
+  return light;
+}
+const Window kSixStops{std::log(0.01), std::log(0.64)};
+
+Capabilities device(const Range& seconds, const Range& gain = {1, 1, 0}) {
+  Capabilities limits;
+  limits.seconds = seconds;
+  limits.gain = gain;
+  return limits;
+}
+
+BracketRequest known() {
+  BracketRequest request;
+  request.response_known = true;
+  return request;
+}
+
+TEST(Plan, OneShotWhereOneIsEnoughAndOneMoreWhereTheResponseIsNotKnown) {
+  const Capabilities limits = device({1e-6, 1e6, 0});
+  EXPECT_EQ(plan_auto(even_light(4), kSixStops, {}, limits, known()).shots.size(), 1u);
+  const Plan two = plan_auto(even_light(4), kSixStops, {}, limits, {});
+  ASSERT_EQ(two.shots.size(), 2u);
+  const double apart = std::log2(two.shots[1].setting.total() / two.shots[0].setting.total());
+  EXPECT_NEAR(apart, 8.0 / 3, 1e-6) << "off a grid of whole stops";
+  const Plan four = plan_auto(even_light(16), kSixStops, {}, limits, {});
+  ASSERT_EQ(four.shots.size(), 4u);
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < 4; ++k) {
+    steps.push_back(std::log2(four.shots[k].setting.total() / four.shots[k - 1].setting.total()));
+  }
+  const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
+  EXPECT_GT(*most - *least, 0.5) << "a uniform grid cannot fix the response";
+}
+
+TEST(Plan, SpendsNoShotOnAnEmptyRange) {
+  LightLevels light = even_light(3);
+  for (std::size_t k = light.ln_light.size() / 2; k < light.ln_light.size(); ++k) light.ln_light[k] += 12 * std::log(2);
+  const Plan plan = plan_auto(light, kSixStops, {}, device({1e-6, 1e6, 0}), known());
+  EXPECT_EQ(plan.shots.size(), 2u) << "a room and a sun";
+}
+
+TEST(Plan, StandsAtAProbeThatIsThereAlready) {
+  const Capabilities limits = device({1e-6, 1e6, 0});
+  const Plan free = plan_auto(even_light(4), kSixStops, {}, limits, known());
+  const double total = free.shots[0].setting.total() * 1.4;
+  const Plan there = plan_auto(even_light(4), kSixStops, {{total, nullptr}}, limits, known());
+  ASSERT_EQ(there.shots.size(), 1u);
+  EXPECT_DOUBLE_EQ(there.shots[0].setting.total(), total);
+}
+
+TEST(Plan, SaysWhichEndIsLost) {
+  LightLevels light = even_light(20);
+  const Plan plan = plan_auto(light, kSixStops, {}, device({0.1, 10, 0}), known());
+  EXPECT_TRUE(plan.bright_end_lost);
+  EXPECT_TRUE(plan.dark_end_lost);
+  ASSERT_EQ(plan.notes.size(), 2u);
+  EXPECT_NE(plan.notes[0].find("bright end is lost"), std::string::npos);
+  const Plan whole = plan_auto(light, kSixStops, {}, device({1e-6, 1e6, 0}), known());
+  EXPECT_FALSE(whole.bright_end_lost || whole.dark_end_lost) << test::joined(whole.notes);
+}
+
+TEST(Plan, GainIsForWhatTimeCannotDo) {
+  const Capabilities limits = device({1e-3, 0.1, 0}, {1, 8, 0});
+  EXPECT_EQ(setting_near(0.05, limits), (ExposureSetting{0.05, 1}));
+  EXPECT_EQ(setting_near(0.4, limits), (ExposureSetting{0.1, 4}));
+  EXPECT_EQ(setting_near(100, limits), (ExposureSetting{0.1, 8}));
+  EXPECT_EQ(setting_near(1e-9, limits), (ExposureSetting{1e-3, 1}));
+}
+
+TEST(Plan, TimesAreTheDevicesAndTheLamps) {
+  const Capabilities limits = device({1e-4, 1, 1e-4});
+  for (const double mains : {50.0, 60.0}) {
+    const double period = 0.5 / mains;
+    for (double total = 1e-4; total < 1; total *= 1.17) {
+      const ExposureSetting below = setting_at_most(total, limits, mains),
+                            above = setting_at_least(total, limits, mains);
+      for (const ExposureSetting& setting : {below, above}) {
+        EXPECT_NEAR(limits.seconds.snap(setting.seconds), setting.seconds, 1e-12);
+        const double periods = setting.seconds / period;
+        if (setting.seconds > period) {
+          EXPECT_NEAR(periods, std::round(periods), 0.5e-4 / period + 1e-9) << total;
+        }
+      }
+      EXPECT_LE(below.seconds, total + 0.51e-4);
+      EXPECT_GE(above.seconds, std::min(total, 1 - period) - 0.51e-4);
+    }
+  }
+}
+
+TEST(Plan, GridsAndTimesAreKeptAsAsked) {
+  BracketRequest request;
+  request.grid = BracketRequest::Grid{2, 5};
+  const LightLevels light = even_light(6);
+  const Plan grid = plan_grid(light, device({1e-6, 1e6, 0}), request);
+  ASSERT_EQ(grid.shots.size(), 5u);
+  EXPECT_NEAR(grid.shots[2].setting.total(), 1.8, 0.01) << "18 % of full well at the median, a tenth";
+  EXPECT_NEAR(grid.shots[4].setting.total() / grid.shots[3].setting.total(), 4, 1e-9);
+  EXPECT_EQ(plan_grid(light, device({1, 3, 0}), request).shots.size(), 1u) << "the others are beyond the device";
+  BracketRequest times;
+  times.times = {0.25, 0.004, 50};
+  const Plan given = plan_times(device({1e-3, 2, 0}), times);
+  ASSERT_EQ(given.shots.size(), 3u);
+  EXPECT_DOUBLE_EQ(given.shots[0].setting.seconds, 0.25);
+  EXPECT_DOUBLE_EQ(given.shots[2].setting.seconds, 2);
+  EXPECT_EQ(given.notes.size(), 1u);
+}
+
 }  // namespace
 }  // namespace hdr
