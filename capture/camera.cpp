@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/v4l2/v4l2_camera.h"
 #include "capture/virtual/virtual_camera.h"
 
 namespace hdr {
@@ -19,6 +20,7 @@ struct Scheme {
 };
 
 constexpr Scheme kSchemes[] = {
+    {"v4l2", "v4l2:/dev/video0", list_v4l2_cameras, open_v4l2_camera},
     {"virtual", "virtual:SCENE.exr", list_virtual_cameras, open_virtual_camera},
 };
 
