@@ -1,5 +1,6 @@
 #include "capture/internal/restore_on_signal.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
@@ -14,10 +15,17 @@ namespace {
 
 constexpr std::array kSignals = {SIGINT, SIGTERM};
 
-// The handler may only write to the pipe; everything else is the watcher's.
+// The handler may only write to the pipe; everything else is the watcher's. A forked child has the handler, but neither
+// the watcher's thread nor a right to the parent's camera.
 int pipe_ends[2] = {-1, -1};
+volatile pid_t watched_process = 0;
 
 extern "C" void wake_watcher(int number) {
+  if (getpid() != watched_process) {
+    signal(number, SIG_DFL);
+    raise(number);
+    return;
+  }
   const auto byte = static_cast<char>(number);
   [[maybe_unused]] const auto written = write(pipe_ends[1], &byte, 1);
 }
@@ -25,7 +33,10 @@ extern "C" void wake_watcher(int number) {
 class Watcher {
  public:
   static Watcher& instance() {
-    static auto* const watcher = new Watcher;  // never destroyed: its thread has no end
+    static Watcher* watcher = nullptr;  // never destroyed: its thread has no end
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    if (!watcher || watched_process != getpid()) watcher = new Watcher;
     return *watcher;
   }
 
@@ -44,7 +55,8 @@ class Watcher {
 
  private:
   Watcher() {
-    if (pipe(pipe_ends) != 0) return;  // no descriptors left: then there is no camera either
+    watched_process = getpid();
+    if (pipe2(pipe_ends, O_CLOEXEC) != 0) return;  // no descriptors left: then there is no camera either
     sigset_t all, old;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &old);

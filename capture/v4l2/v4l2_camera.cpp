@@ -17,8 +17,6 @@ using Kind = CameraError::Kind;
 /// V4L2_CID_EXPOSURE_ABSOLUTE counts in 100 us.
 constexpr double kExposureUnit = 1e-4;
 
-constexpr const char* kScheme = "v4l2:";
-
 std::vector<Size> frame_sizes(v4l2::Device& device, std::uint32_t fourcc) {
   std::vector<Size> sizes;
   v4l2_frmsizeenum size{};
@@ -49,7 +47,7 @@ std::vector<CameraName> list_v4l2_cameras() {
   }
   std::vector<CameraName> cameras;
   for (const auto& [number, path] : nodes) {
-    const std::string uri = kScheme + path;
+    const std::string uri = v4l2::kScheme + path;
     try {
       cameras.push_back({uri, v4l2::Device(uri, path).name()});
     } catch (const CameraError& error) {
@@ -61,39 +59,28 @@ std::vector<CameraName> list_v4l2_cameras() {
 }
 
 std::unique_ptr<Camera> open_v4l2_camera(const std::string& uri) {
-  std::string path = uri.substr(std::string(kScheme).size());
-  double black_level = 0;
-  const std::size_t question = path.find('?');
-  if (question != std::string::npos) {
-    constexpr std::string_view kBlack = "black=";
-    const std::string option = path.substr(question + 1);
-    const char* const end = option.data() + option.size();
-    if (!option.starts_with(kBlack) || std::from_chars(option.data() + kBlack.size(), end, black_level).ptr != end) {
-      throw CameraError(Kind::kNotSupported, uri + ": the only option of a V4L2 camera is black=CODE");
-    }
-    path.resize(question);
-  }
-  return std::make_unique<V4l2Camera>(uri, path, black_level);
+  return std::make_unique<V4l2Camera>(uri, v4l2::parse_uri(uri));
 }
 
-V4l2Camera::V4l2Camera(const std::string& uri, const std::string& path, double black_level)
-    : device_(uri, path), controls_(device_), black_level_(black_level) {
+V4l2Camera::V4l2Camera(const std::string& uri, const v4l2::Uri& wanted)
+    : device_(uri, wanted.path), controls_(device_) {
   capabilities_.uri = uri;
   capabilities_.name = device_.name();
-  capabilities_.formats = enumerate_formats();
+  capabilities_.formats = enumerate_formats(wanted);
   describe_exposure();
 }
 
-std::vector<FrameFormat> V4l2Camera::enumerate_formats() {
+std::vector<FrameFormat> V4l2Camera::enumerate_formats(const v4l2::Uri& wanted) {
   std::vector<FrameFormat> formats;
   v4l2_fmtdesc description{};
   description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   for (; device_.ask(VIDIOC_ENUM_FMT, description) == 0; description.index += 1) {
     const v4l2::FormatCode* code = v4l2::find_format(description.pixelformat);
-    if (!code) continue;
+    if (!code || (wanted.fourcc && *wanted.fourcc != code->fourcc)) continue;
     for (const Size size : frame_sizes(device_, code->fourcc)) {
+      if (wanted.size && *wanted.size != size) continue;
       FrameFormat format = v4l2::frame_format(*code, size);
-      if (is_bayer(format.pixels)) format.black_level = black_level_;
+      if (is_bayer(format.pixels)) format.black_level = wanted.black_level;
       formats.push_back(format);
     }
   }

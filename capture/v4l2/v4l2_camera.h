@@ -10,18 +10,19 @@
 #include "capture/v4l2/v4l2_controls.h"
 #include "capture/v4l2/v4l2_device.h"
 #include "capture/v4l2/v4l2_stream.h"
+#include "capture/v4l2/v4l2_uri.h"
 
 namespace hdr {
 
 /// Devices that capture, in the order of their numbers.
 std::vector<CameraName> list_v4l2_cameras();
 
-/// "v4l2:/dev/video0", or "v4l2:/dev/video0?black=64": raw formats' code that means no light, which V4L2 does not know.
+/// "v4l2:/dev/video0", with the options of v4l2_uri.h.
 std::unique_ptr<Camera> open_v4l2_camera(const std::string& uri);
 
 class V4l2Camera : public Camera {
  public:
-  V4l2Camera(const std::string& uri, const std::string& path, double black_level);
+  V4l2Camera(const std::string& uri, const v4l2::Uri& wanted);
   ~V4l2Camera() override { stop(); }
 
   Capabilities capabilities() const override { return capabilities_; }
@@ -32,7 +33,7 @@ class V4l2Camera : public Camera {
   void stop() override;
 
  private:
-  std::vector<FrameFormat> enumerate_formats();
+  std::vector<FrameFormat> enumerate_formats(const v4l2::Uri& wanted);
   void describe_exposure();
   void hold_automatics();
   void start_stream();
@@ -41,7 +42,6 @@ class V4l2Camera : public Camera {
 
   v4l2::Device device_;
   v4l2::Controls controls_;
-  double black_level_;
   Capabilities capabilities_;
   std::uint32_t gain_control_ = 0;  ///< 0: none whose values are known to multiply
   std::optional<int> manual_mode_;  ///< item of the exposure menu

@@ -53,9 +53,8 @@ Bytes guid(Encoding encoding) {
       code = "Y8  ";
       break;
   }
-  Bytes bytes(code.begin(), code.end());
-  bytes.insert(bytes.end(), {0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71});
-  return bytes;
+  code += std::string("\0\0\x10\0\x80\0\0\xaa\0\x38\x9b\x71", 12);
+  return {code.begin(), code.end()};
 }
 
 Bytes control_interface(bool manual_exposure) {

@@ -315,8 +315,8 @@ void UvcCamera::take_frame(double now) {
     log_ << stream_number_ << ',' << frame_number_ << ',' << used.exposure_100us << ',' << used.gain_16ths << std::endl;
   const int count = ++frame_number_;
   frame_id_ ^= 1;
-  // The driver counts a change of the frame ID without data as a frame that was lost.
-  if (faults_.lost_every > 0 && count % faults_.lost_every == 0) return;
+  // Of a lost frame only the payload's header comes: the driver counts it.
+  const bool lost = faults_.lost_every > 0 && count % faults_.lost_every == 0;
   const bool damaged = faults_.damaged_every > 0 && count % faults_.damaged_every == 0;
   constexpr std::uint8_t kEndOfFrame = 2, kTimeStamp = 4, kSourceClock = 8, kError = 0x40, kEndOfHeader = 0x80;
   const auto microseconds = static_cast<std::uint32_t>(static_cast<std::uint64_t>(now * 1e6));
@@ -326,7 +326,8 @@ void UvcCamera::take_frame(double now) {
   append_le(payload_, microseconds, 4);
   append_le(payload_, microseconds / 1000 & 0x7ff, 2);
   const FrameSize size = kSizes[frame_ - 1];
-  Bytes picture = sensor_.picture(kEncodings[format_ - 1], size.width, size.height);
+  Bytes picture;
+  if (!lost) picture = sensor_.picture(kEncodings[format_ - 1], size.width, size.height);
   if (damaged) picture.resize(picture.size() / 2);
   payload_.insert(payload_.end(), picture.begin(), picture.end());
   sent_ = 0;

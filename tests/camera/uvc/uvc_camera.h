@@ -16,7 +16,7 @@ struct Faults {
   bool exposure_refused = false;  ///< setting the exposure time stalls: "not ready"
   bool exposure_silent = false;   ///< setting it is never answered: the kernel gives up after 5 s
   int damaged_every = 0;          ///< every n-th frame is cut in half and has the error bit; 0: none
-  int lost_every = 0;             ///< every n-th frame never comes
+  int lost_every = 0;             ///< every n-th frame comes without data
   int unplug_at_frame = -1;
 };
 
