@@ -5,11 +5,25 @@
 #include <algorithm>
 #include <cmath>
 
+#ifdef HDR_HAS_LIBCAMERA
+#include "capture/libcamera/libcamera_camera.h"
+#endif
 #include "capture/v4l2/v4l2_camera.h"
 #include "capture/virtual/virtual_camera.h"
 
 namespace hdr {
 namespace {
+
+#ifndef HDR_HAS_LIBCAMERA
+std::vector<CameraName> list_libcamera_cameras() {
+  return {};
+}
+
+std::unique_ptr<Camera> open_libcamera_camera(const std::string& uri) {
+  throw CameraError(CameraError::Kind::kNotSupported,
+                    uri + ": hdr was built without libcamera; install libcamera-dev and build again, or use v4l2:");
+}
+#endif
 
 /// A kind of camera. Another one is another row: `list` finds those that are connected, `open` takes a whole URI.
 struct Scheme {
@@ -21,6 +35,7 @@ struct Scheme {
 
 constexpr Scheme kSchemes[] = {
     {"v4l2", "v4l2:/dev/video0", list_v4l2_cameras, open_v4l2_camera},
+    {"libcamera", "libcamera:ID", list_libcamera_cameras, open_libcamera_camera},
     {"virtual", "virtual:SCENE.exr", list_virtual_cameras, open_virtual_camera},
 };
 

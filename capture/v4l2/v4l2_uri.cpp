@@ -45,7 +45,7 @@ bool apply(std::string_view name, std::string_view value, Uri& uri) {
 Uri parse_uri(const std::string& uri) {
   Uri result;
   const std::string_view whole(uri);
-  const std::size_t question = whole.find('?'), start = std::string_view(kScheme).size();
+  const std::size_t question = whole.find('?'), start = whole.find(':') + 1;
   result.path = whole.substr(start, question == std::string_view::npos ? question : question - start);
   std::string_view rest = question == std::string_view::npos ? "" : whole.substr(question + 1);
   while (!rest.empty()) {
@@ -57,7 +57,7 @@ Uri parse_uri(const std::string& uri) {
     if (!good) {
       throw CameraError(CameraError::Kind::kNotSupported,
                         uri + ": no such option: " + std::string(option) +
-                            "; V4L2 cameras have format=YUYV, size=640x480 and black=64, joined by &");
+                            "; there are format=YUYV, size=640x480 and black=64, joined by &");
     }
   }
   return result;
