@@ -128,9 +128,10 @@ TEST_F(Shoot, EarlierShotsStayWhenALaterRunFails) {
 }
 
 TEST_F(Shoot, CtrlCGivesTheCameraBackAndLeavesNothing) {
-  // Shots of seconds, in real time.
+  // Shots of seconds, in real time. --foreground: one signal, as a terminal sends; without it timeout sends two, and
+  // the second ends the command at once.
   const CommandResult result =
-      run_command({"timeout", "--preserve-status", "-s", "INT", "2", HDR_BINARY, "shoot", "--camera",
+      run_command({"timeout", "--foreground", "--preserve-status", "-s", "INT", "2", HDR_BINARY, "shoot", "--camera",
                    camera("format=rgb8&realtime=1"), "--times", "4,5,6,7", "-o", path("shots")});
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_NE(result.err.find("stopped"), std::string::npos) << result.err;
