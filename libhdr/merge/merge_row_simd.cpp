@@ -152,9 +152,10 @@ class HatTile {
     std::fill_n(sum_, kTile, 0.0f);
     std::fill_n(total_, kTile, 0.0f);
     for_each_shot([&](int k, VF open, VF weight, VF weight_light, float exposure) HWY_ATTR {
-      hn::Store(hn::Add(hn::Load(f, sum_ + k), hn::Mul(open, weight_light)), f, sum_ + k);
-      const VF part = hn::Mul(hn::Mul(open, weight), hn::Set(f, exposure));
-      hn::Store(hn::Add(hn::Load(f, total_ + k), part), f, total_ + k);
+      // Fused on some machines and not on others, and the same bits on all: times 0 or 1 nothing is rounded.
+      hn::Store(hn::MulAdd(open, weight_light, hn::Load(f, sum_ + k)), f, sum_ + k);
+      const VF part = hn::Mul(weight, hn::Set(f, exposure));
+      hn::Store(hn::MulAdd(open, part, hn::Load(f, total_ + k)), f, total_ + k);
     });
     const VF least = hn::Set(f, std::numeric_limits<float>::min());
     for (int k = 0; k < kTile; k += static_cast<int>(hn::Lanes(f))) {
