@@ -204,24 +204,49 @@ void choose(CurveProblem& problem) {
   problem.knots = Knots(seen.bits, problem.choice.shoulder);
 }
 
+/// The response that curves at the knots stand for; channels without a curve borrow another's.
+Response response_from_curves(const CurveProblem& problem, const std::array<Eigen::VectorXd, 3>& curves,
+                              const Bracket& bracket) {
+  const Observations& seen = problem.seen;
+  Response response;
+  response.bits = seen.bits;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (curves[c].size() == 0) continue;
+    response.g[c] = curve_from_fit(problem.knots, curves[c], seen.bits, seen.black_level[c]);
+    if (!(response.g[c].back() > response.g[c].front() + 0.1)) {
+      throw Error(bracket.shots.front().path.string() +
+                  ": longer exposures are not brighter in this bracket; check the times against the files");
+    }
+  }
+  borrow_curves(response.g);
+  return response;
+}
+
+/// A response by which more is learnt of the bracket: the same least squares, without the doubt, by their normal
+/// equations.
+Response interim_response(const CurveProblem& problem, const Bracket& bracket) {
+  const Observations& seen = problem.seen;
+  std::array<Eigen::VectorXd, 3> curves;
+  for_rows(3, 1, [&](int first, int) {
+    const auto c = static_cast<std::size_t>(first);
+    if (seen.codes[c].rows() == 0) return;
+    curves[c] = NormalEquations(problem.knots, problem.weights[c], seen.codes[c], seen.ln_exposure)
+                    .solve(problem.choice.smoothness, problem.priors[c]);
+  });
+  return response_from_curves(problem, curves, bracket);
+}
+
+/// The response and all that is known of it.
 void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& result) {
   const Observations& seen = problem.seen;
   const std::array<CurveFit, 3> fits =
       fit_channels(problem.knots, problem.weights, seen, problem.choice.smoothness, {}, problem.priors);
+  result.response = response_from_curves(problem, {fits[0].g, fits[1].g, fits[2].g}, bracket);
   result.smoothness = problem.choice.smoothness;
   result.converged = true;
-  result.pixels = 0;
-  result.response = {};
-  result.deviation = {};
-  result.response.bits = seen.bits;
   double squares = 0, count = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (seen.codes[c].rows() == 0) continue;
-    result.response.g[c] = curve_from_fit(problem.knots, fits[c].g, seen.bits, seen.black_level[c]);
-    if (!(result.response.g[c].back() > result.response.g[c].front() + 0.1)) {
-      throw Error(bracket.shots.front().path.string() +
-                  ": longer exposures are not brighter in this bracket; check the times against the files");
-    }
     const Eigen::VectorXd doubt =
         total_deviation(problem.knots, problem.weights[c], seen, c, problem.choice, fits[c], problem.priors[c]);
     result.deviation[c] = deviation_at_samples(problem.knots, doubt, result.response);
@@ -232,29 +257,31 @@ void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& res
     result.pixels += static_cast<int>(seen.codes[c].rows());
   }
   result.rms_log_error = std::sqrt(squares / count);
-  borrow_curves(result.response.g);
   borrow_curves(result.deviation);
 }
 
-/// Weighs the codes by the noise that the shots show, which needs a curve to be told, and fits again. Lossless shots
-/// also lose the bias of their noise, twice, since the first curve is off where noise is large; compression averages
-/// noise away before it can be told from its own.
+/// Weighs the codes by the noise that the shots show, which needs a curve to be told, and fits. Lossless shots also
+/// lose the bias of their noise, twice, since the first curve is off where noise is large; compression averages noise
+/// away before it can be told from its own.
 void solve_with_noise(CurveProblem& problem, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
                       bool choose_smoothness, Calibration& result) {
   const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
   const Eigen::VectorXd exposures = problem.seen.ln_exposure.array().exp();
+  Response response = interim_response(problem, bracket);
   const NoiseEstimate estimate =
-      estimate_noise(bracket, ref_from_photo, result.response, {}, {exposures.begin(), exposures.end()});
+      estimate_noise(bracket, ref_from_photo, response, {}, {exposures.begin(), exposures.end()});
   const Observations observed = problem.seen;
-  for (int pass = 0; pass < (lossy ? 1 : 2); ++pass) {
-    if (!lossy) problem.seen = without_noise_bias(observed, result.response, estimate.noise);
+  const int passes = lossy ? 1 : 2;
+  for (int pass = 0; pass < passes; ++pass) {
+    if (pass > 0) response = interim_response(problem, bracket);
+    if (!lossy) problem.seen = without_noise_bias(observed, response, estimate.noise);
     for (std::size_t c = 0; c < 3; ++c) {
       problem.weights[c] =
-          CodeWeights::from_noise(result.response, static_cast<int>(c), estimate.noise[c], problem.seen.codes[c]);
+          CodeWeights::from_noise(response, static_cast<int>(c), estimate.noise[c], problem.seen.codes[c]);
     }
     if (choose_smoothness) choose(problem);
-    solve(problem, bracket, result);
   }
+  solve(problem, bracket, result);
   if (!lossy) result.noise = estimate;
 }
 
@@ -266,7 +293,6 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
   Calibration result;
   CurveProblem problem = pose(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints),
                               bracket, options.smoothness, options.refine_times, result);
-  solve(problem, bracket, result);
   solve_with_noise(problem, bracket, ref_from_photo, !options.smoothness, result);
   measure_top_codes(bracket, problem.seen.ln_exposure, ref_from_photo, result.deviation, result.response);
   return result;
@@ -294,9 +320,8 @@ Calibration calibrate(CalibrateMethod method, const Bracket& bracket, const std:
 
 Response provisional_response(const Bracket& bracket) {
   check_exposures(bracket);
-  Calibration result;
-  solve(pose(match_quantiles(bracket), bracket, kStiff, false, result), bracket, result);
-  return std::move(result.response);
+  Calibration unused;
+  return interim_response(pose(match_quantiles(bracket), bracket, kStiff, false, unused), bracket);
 }
 
 }  // namespace hdr
