@@ -131,8 +131,10 @@ PairMotion judged(const LogPicture& a, const LogPicture& b, const Estimate& e) {
     Estimate still;
     still.match = e.match;
     still = iterate(a, b, still, 2, false);
+    // What is usable in one shot and in the other may not meet but where a shift makes it: such a match proves nothing.
+    if (!still.enough) return failed("unmoved they have too few pixels in common");
     const double scale = std::max(e.median, 1e-3) / kMedianOfNormal;
-    if (still.enough && mean_loss(e, scale) > 1.01 * mean_loss(still, scale))
+    if (mean_loss(e, scale) > 1.01 * mean_loss(still, scale))
       return failed("moving it would not match its neighbour better");
   }
   return motion;

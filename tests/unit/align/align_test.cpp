@@ -151,6 +151,38 @@ TEST(Align, TwoIdenticalShotsStay) {
   EXPECT_TRUE(align(bracket, srgb_response(8)).identity());
 }
 
+/// Left half dark, right half bright, both with texture: what one shot shows is black or clipped in the other.
+Image<float> two_worlds(Size size) {
+  Random random(91, 1);
+  Image<float> scene(size, 3);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double light = (x < size.width / 2 ? 1e-4 : 1) * (0.5 + random.uniform());
+      for (int c = 0; c < 3; ++c) scene(x, y, c) = static_cast<float>(light);
+    }
+  }
+  return scene;
+}
+
+TEST(Align, WhatMeetsOnlyByMovingProvesNothing) {
+  for (const Size size : {Size{320, 240}, Size{640, 200}}) {
+    const Image<float> scene = two_worlds(size);
+    Sensor sensor;
+    sensor.response = *response_from_name("linear", 16);
+    sensor.noise = {30000, 5};
+    sensor.sensitivity = 0.5;
+    Bracket bracket;
+    for (const double seconds : {1.0, 5e3}) {
+      Exposure exposure;
+      exposure.seconds = seconds;
+      bracket.shots.push_back(expose(scene, exposure, sensor, 7));
+    }
+    const Alignment found = align(bracket, sensor.response);
+    EXPECT_TRUE(found.identity()) << "moved by " << found.frames[0].ref_from_photo.topRightCorner<2, 1>().transpose()
+                                  << " and " << found.frames[1].ref_from_photo.topRightCorner<2, 1>().transpose();
+  }
+}
+
 TEST(Align, MovedContentDoesNotPullIt) {
   SimulationOptions options;
   options.size = {240, 180};
