@@ -55,6 +55,18 @@ TEST_F(Shoot, WhatCameraAndFormatEverTheFolderMergesToTheScene) {
   }
 }
 
+// Shots of a raw bracket lie so far apart that no response could be fitted, and hardly share a usable pixel.
+TEST_F(Shoot, RawShotsFarApartAreMergedWhereTheyLie) {
+  for (const char* format : {"bayer10p", "bayer12"}) {
+    answer_of({"shoot", "--camera", std::string("virtual:?format=") + format, "--raw", "-o", path(format)});
+    for (const Json& frame : answer_of({"align", path(format)})["frames"]) {
+      const Json& moved = frame["ref_from_photo"];
+      EXPECT_LT(std::hypot(moved[2].get<double>(), moved[5].get<double>()), 0.1)
+          << format << ": the camera did not move; " << frame.dump();
+    }
+  }
+}
+
 TEST_F(Shoot, RawFoldersSayThatTheyAreLinear) {
   answer_of(
       {"shoot", "--camera", camera("format=bayer12"), "--raw", "--stops", "2", "--count", "4", "-o", path("raw")});

@@ -6,6 +6,7 @@
 #include "libhdr/align/warp.h"
 #include "libhdr/core/error.h"
 #include "tools/hdr/pipeline.h"
+#include "tools/hdr/shots_output.h"
 
 namespace hdr::tools {
 namespace {
@@ -45,10 +46,14 @@ std::function<int(Run&)> declare_align(CLI::App& app) {
   return [options](Run& run) {
     const AlignMethod method = align_method(options->method);
     const Bracket bracket = read_shots(run, options->shots);
-    const Alignment alignment = align_shots(run, bracket, std::nullopt, method);
+    const std::optional<std::string> noted = response_of_folder(expand_shots(options->shots.files));
+    const std::optional<Response> known = noted ? known_response(*noted, bracket.bits()) : std::nullopt;
+    const Alignment alignment = align_shots(run, bracket, known, method);
     answer_alignment(run, bracket, alignment);
     if (!options->output.empty()) {
-      run.stage("write", [&] { write_registered(options->output, bracket, alignment, provisional_response(bracket)); });
+      run.stage("write", [&] {
+        write_registered(options->output, bracket, alignment, known ? *known : provisional_response(bracket));
+      });
     }
     return 0;
   };
