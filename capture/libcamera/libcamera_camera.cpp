@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "capture/internal/deadline_worker.h"
+#include "capture/internal/order_of_calls.h"
 #include "capture/internal/restore_on_signal.h"
 #include "capture/libcamera/libcamera_controls.h"
 #include "capture/libcamera/libcamera_formats.h"
@@ -177,8 +178,7 @@ bool LibcameraCamera::try_configuration(const FrameFormat& format) {
 }
 
 FrameFormat LibcameraCamera::configure(const Configuration& configuration) {
-  if (stream_)
-    throw CameraError(Kind::kWrongState, capabilities_.uri + ": its format cannot change while it runs; stop it");
+  internal::require_configurable(capabilities_.uri, stream_ != nullptr);
   for (const FrameFormat& format : capabilities_.formats) {
     if (configuration.pixels && format.pixels != *configuration.pixels) continue;
     if (configuration.size && format.size != *configuration.size) continue;
@@ -189,12 +189,7 @@ FrameFormat LibcameraCamera::configure(const Configuration& configuration) {
 }
 
 void LibcameraCamera::start(const ExposureSetting& first) {
-  if (stream_) throw CameraError(Kind::kWrongState, capabilities_.uri + ": it runs already; stop it");
-  if (!capabilities_.manual_exposure) {
-    throw CameraError(
-        Kind::kNotSupported,
-        capabilities_.uri + ": the camera has no manual exposure, so it cannot take a bracket; use another");
-  }
+  internal::require_startable(capabilities_, stream_ != nullptr);
   if (!format_) configure({});
   setting_ = first;
   try {
@@ -217,13 +212,13 @@ void LibcameraCamera::start(const ExposureSetting& first) {
 }
 
 void LibcameraCamera::set(const ExposureSetting& setting) {
-  if (!stream_) throw CameraError(Kind::kWrongState, capabilities_.uri + ": it does not run; start it");
+  internal::require_running(capabilities_.uri, stream_ != nullptr);
   setting_ = setting;
   stream_->ask(lc::manual(*camera_, capabilities_, setting));
 }
 
 Frame LibcameraCamera::next_frame(Clock::time_point deadline) {
-  if (!stream_) throw CameraError(Kind::kWrongState, capabilities_.uri + ": it does not run; start it");
+  internal::require_running(capabilities_.uri, stream_ != nullptr);
   while (true) {
     Frame frame;
     std::optional<libcamera::ControlList> metadata;

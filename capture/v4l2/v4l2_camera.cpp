@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <map>
 
+#include "capture/internal/order_of_calls.h"
+
 namespace hdr {
 namespace {
 
@@ -121,8 +123,7 @@ void V4l2Camera::describe_exposure() {
 }
 
 FrameFormat V4l2Camera::configure(const Configuration& configuration) {
-  if (stream_)
-    throw CameraError(Kind::kWrongState, capabilities_.uri + ": its format cannot change while it runs; stop it");
+  internal::require_configurable(capabilities_.uri, stream_.has_value());
   for (const FrameFormat& format : capabilities_.formats) {
     if (configuration.pixels && format.pixels != *configuration.pixels) continue;
     if (configuration.size && format.size != *configuration.size) continue;
@@ -181,12 +182,7 @@ void V4l2Camera::start_stream() {
 }
 
 void V4l2Camera::start(const ExposureSetting& first) {
-  if (stream_) throw CameraError(Kind::kWrongState, capabilities_.uri + ": it runs already; stop it");
-  if (!capabilities_.manual_exposure) {
-    throw CameraError(
-        Kind::kNotSupported,
-        capabilities_.uri + ": the camera has no manual exposure, so it cannot take a bracket; use another");
-  }
+  internal::require_startable(capabilities_, stream_.has_value());
   if (!format_) configure({});
   try {
     restore_on_signal_.emplace(controls_.restorer());
@@ -201,7 +197,7 @@ void V4l2Camera::start(const ExposureSetting& first) {
 }
 
 void V4l2Camera::set(const ExposureSetting& setting) {
-  if (!stream_) throw CameraError(Kind::kWrongState, capabilities_.uri + ": it does not run; start it");
+  internal::require_running(capabilities_.uri, stream_.has_value());
   setting_ = setting;
   if (stream_->has_requests()) {
     stream_->ask(control_values(setting));
@@ -216,7 +212,7 @@ void V4l2Camera::set(const ExposureSetting& setting) {
 }
 
 Frame V4l2Camera::next_frame(std::chrono::steady_clock::time_point deadline) {
-  if (!stream_) throw CameraError(Kind::kWrongState, capabilities_.uri + ": it does not run; start it");
+  internal::require_running(capabilities_.uri, stream_.has_value());
   v4l2::Arrived arrived = stream_->next(deadline);
   arrived.frame.requested = setting_;
   arrived.frame.reported = reported(arrived.controls);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <thread>
 
+#include "capture/internal/order_of_calls.h"
 #include "capture/virtual/encode.h"
 #include "libhdr/core/random.h"
 
@@ -93,7 +94,7 @@ Capabilities VirtualCamera::capabilities() const {
 }
 
 FrameFormat VirtualCamera::configure(const Configuration& configuration) {
-  if (running_) throw CameraError(Kind::kWrongState, uri_ + ": already started; call stop() first");
+  internal::require_configurable(uri_, running_);
   if (options_.faults.permission) {
     throw CameraError(Kind::kPermission, uri_ + ": may not be opened; ask for the right to use it");
   }
@@ -116,14 +117,11 @@ ExposureSetting VirtualCamera::device_setting(const ExposureSetting& asked) cons
 }
 
 void VirtualCamera::start(const ExposureSetting& first) {
-  if (running_) throw CameraError(Kind::kWrongState, uri_ + ": already started");
   if (options_.faults.permission) {
     throw CameraError(Kind::kPermission, uri_ + ": may not be opened; ask for the right to use it");
   }
   if (options_.faults.busy) throw CameraError(Kind::kBusy, uri_ + ": another program has it; close that one");
-  if (options_.faults.no_manual) {
-    throw CameraError(Kind::kNotSupported, uri_ + ": has no manual exposure; use another camera");
-  }
+  internal::require_startable(capabilities(), running_);
   running_ = true;
   sequence_ = 0;
   sets_ = 0;
@@ -135,7 +133,7 @@ void VirtualCamera::start(const ExposureSetting& first) {
 }
 
 void VirtualCamera::set(const ExposureSetting& setting) {
-  if (!running_) throw CameraError(Kind::kWrongState, uri_ + ": not started; call start() first");
+  internal::require_running(uri_, running_);
   if (!(setting.seconds > 0) || !std::isfinite(setting.seconds) || !(setting.gain > 0) ||
       !std::isfinite(setting.gain)) {
     throw CameraError(Kind::kNotSupported,
@@ -174,7 +172,7 @@ std::vector<std::uint8_t> VirtualCamera::photograph(const ExposureSetting& expos
 }
 
 Frame VirtualCamera::next_frame(Clock::time_point deadline) {
-  if (!running_) throw CameraError(Kind::kWrongState, uri_ + ": not started; call start() first");
+  internal::require_running(uri_, running_);
   const auto late = [&] { return CameraError(Kind::kTimeout, uri_ + ": no frame before the deadline"); };
   if (now_ > deadline) throw late();
   for (;; ++sequence_) {
