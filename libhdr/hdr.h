@@ -46,6 +46,7 @@
 #include "libhdr/filter/tonemap.h"  // for looking
 
 #include "libhdr/probe/find_ball.h"   // where the mirror ball is
+#include "libhdr/probe/find_image_circle.h"  // where a fisheye's picture ends
 #include "libhdr/probe/photograph.h"  // what a camera sees in an environment
 #include "libhdr/probe/projection.h"  // pixels <-> directions
 #include "libhdr/probe/unwrap.h"      // from one projection to another

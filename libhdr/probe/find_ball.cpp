@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/probe/internal/circle_votes.h"
+#include "libhdr/probe/internal/luminance.h"
 #include "libhdr/probe/internal/outline.h"
 
 namespace hdr {
@@ -32,16 +32,7 @@ float median(std::vector<float>& values) {
 /// Luminance above a small share of its median, which keeps black and its noise from ruling.
 Image<float> raised_luminance(View<const float> rgb) {
   constexpr double kShareOfMedian = 0.05;
-  constexpr float kMost = 1e30f;
-  Image<float> result(rgb.size(), 1);
-  for_rows(rgb.height(), 16, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < rgb.width(); ++x) {
-        const float* p = rgb.pixel(x, y);
-        result(x, y) = std::min(std::max(0.0f, luminance(p[0], p[1], p[2])), kMost);  // NaN becomes 0
-      }
-    }
-  });
+  Image<float> result = internal::luminance_of(rgb);
   std::vector<float> sample;
   for (int y = 0; y < rgb.height(); y += 4) {
     for (int x = 0; x < rgb.width(); x += 4) sample.push_back(result(x, y));
@@ -59,17 +50,6 @@ Image<float> logarithm(const Image<float>& picture) {
     for (int x = 0; x < picture.width(); ++x) result(x, y) = std::log(picture(x, y));
   }
   return result;
-}
-
-Image<float> halved(const Image<float>& picture) {
-  Image<float> half(picture.width() / 2, picture.height() / 2, 1);
-  for (int y = 0; y < half.height(); ++y) {
-    for (int x = 0; x < half.width(); ++x) {
-      half(x, y) = 0.25f * (picture(2 * x, 2 * y) + picture(2 * x + 1, 2 * y) + picture(2 * x, 2 * y + 1) +
-                            picture(2 * x + 1, 2 * y + 1));
-    }
-  }
-  return half;
 }
 
 /// Standard deviation of a pixel's noise as a share of its value: from the median of |I(x-1) - 2 I(x) + I(x+1)|, which
@@ -122,12 +102,7 @@ internal::OutlineFit placed(const Image<float>& luminance, const Disc& guess) {
 std::optional<FoundBall> find_ball(View<const float> rgb) {
   constexpr int kLeastSide = 32;
   if (rgb.channels() < 3 || std::min(rgb.width(), rgb.height()) < kLeastSide) return std::nullopt;
-  std::vector<Image<float>> levels;
-  levels.push_back(raised_luminance(rgb));
-  const auto may_halve = [](Size size) {
-    return std::max(size.width, size.height) > kCoarseSide && std::min(size.width, size.height) >= 2 * kLeastSide;
-  };
-  while (may_halve(levels.back().size())) levels.push_back(halved(levels.back()));
+  const std::vector<Image<float>> levels = internal::halvings(raised_luminance(rgb), kCoarseSide, kLeastSide);
 
   // In the coarsest picture: the circle with the most evidence of all that the edges vote for.
   const internal::OutlineFit coarse = best_circle(levels.back());

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/luminance.h"
 
 namespace hdr::internal {
 namespace {
@@ -97,16 +98,6 @@ std::vector<ProfileLikelihood> other_likelihoods(int half_window, int range) {
     }
   }
   return result;
-}
-
-/// The picture at continuous pixel coordinates; outside the frame its border.
-double bilinear(View<const float> picture, const Vec2& px) {
-  const double x = std::clamp(px.x() - 0.5, 0.0, picture.width() - 1.001);
-  const double y = std::clamp(px.y() - 0.5, 0.0, picture.height() - 1.001);
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const double fx = x - left, fy = y - top;
-  return (1 - fy) * ((1 - fx) * picture(left, top) + fx * picture(left + 1, top)) +
-         fy * ((1 - fx) * picture(left, top + 1) + fx * picture(left + 1, top + 1));
 }
 
 /// The square root of radiance along a radius, against its mean there, less 1: between radiance, in which a sun's blur
