@@ -18,8 +18,10 @@
 namespace hdr::internal {
 namespace {
 
-/// Rows of a band that one task merges.
+/// Rows of a band that one task merges, and, where shots are resampled, columns at a time: whole tiles, so that bytes
+/// do not depend on them.
 constexpr int kTaskHeight = 8;
+constexpr int kSegment = 8 * kTile;
 
 void check(const Bracket& bracket, const Alignment& alignment, const Response& response) {
   if (bracket.shots.empty()) throw Error("no shots: nothing to merge; name one or more photographs");
@@ -73,9 +75,10 @@ struct Worker {
   TileCount tiles;
   LuminanceHistogram histogram;
   MergeRowScratch scratch;
-  std::vector<WarpedRow> warped;
+  Resampler::Patch patch;
+  std::vector<std::vector<WarpedRow>> warped;  ///< by shot, the rows of a block
   std::vector<ShotRow> shots;
-  std::vector<std::uint8_t> unmeasured;
+  std::vector<std::uint8_t> unmeasured;  ///< of the rows of a task
 };
 
 /// The merge of one bracket, band by band.
@@ -86,14 +89,15 @@ class BandMerger {
         sources_(std::move(sources)),
         flat_(flat),
         size_(size),
-        workers_((kBandHeight + kTaskHeight - 1) / kTaskHeight) {}
+        workers_((kBandHeight + kTaskHeight - 1) / kTaskHeight),
+        any_warped_(std::any_of(sources_.begin(), sources_.end(), [](const auto& s) { return !s->registered(); })) {}
 
   void merge(int first, int last, const BandViews& views) {
     for_rows(static_cast<int>(sources_.size()), 1,
              [&](int shot, int) { sources_[static_cast<std::size_t>(shot)]->advance(first / kBandHeight); });
     for_rows(last - first, kTaskHeight, [&](int from, int to) {
       Worker& worker = workers_[static_cast<std::size_t>(from / kTaskHeight)];
-      for (int y = from; y < to; ++y) merge_one_row(first + y, y, views, worker);
+      merge_rows_of_task(first, from, to, views, worker);
       worker.histogram.add(views.rgb.rows(from, to));
     });
   }
@@ -113,29 +117,59 @@ class BandMerger {
   }
 
  private:
-  void merge_one_row(int y, int row, const BandViews& views, Worker& worker) {
-    const std::size_t samples = 3 * static_cast<std::size_t>(size_.width);
-    worker.unmeasured.resize(samples);
+  /// Rows from .. to - 1 of the band that starts with row `first` of the map.
+  void merge_rows_of_task(int first, int from, int to, const BandViews& views, Worker& worker) {
+    worker.unmeasured.resize(3 * static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(to - from));
+    const int step = any_warped_ ? kSegment : size_.width;
+    for (int x0 = 0; x0 < size_.width; x0 += step) {
+      const Block block{x0, first + from, std::min(size_.width, x0 + step), first + to};
+      warp(block, worker);
+      for (int y = from; y < to; ++y) merge_segment(block, first + y, task_of(y, x0, from, views, worker), worker);
+    }
+    for (int y = from; y < to; ++y) {
+      const MergeRowTask row = task_of(y, 0, from, views, worker);
+      finish_row(first + y, row, views.flags.empty() ? nullptr : views.flags.row(y), worker);
+    }
+  }
+
+  /// Where row y of the band goes, from column x0 on.
+  MergeRowTask task_of(int y, int x0, int from, const BandViews& views, Worker& worker) const {
+    const auto samples = 3 * static_cast<std::ptrdiff_t>(size_.width);
+    MergeRowTask task{&model_, nullptr, 0, size_.width};
+    task.rgb = views.rgb.row(y) + 3 * x0;
+    task.stddev = views.stddev.empty() ? nullptr : views.stddev.row(y) + 3 * x0;
+    task.unmeasured = worker.unmeasured.data() + samples * (y - from) + 3 * x0;
+    return task;
+  }
+
+  void warp(const Block& block, Worker& worker) const {
     worker.warped.resize(sources_.size());
+    for (std::size_t j = 0; j < sources_.size(); ++j) {
+      if (sources_[j]->registered()) continue;
+      std::vector<WarpedRow>& rows = worker.warped[j];
+      if (rows.empty()) rows.assign(kTaskHeight, WarpedRow(std::min(kSegment, size_.width)));
+      sources_[j]->warp(block, worker.patch, rows);
+    }
+  }
+
+  void merge_segment(const Block& block, int y, MergeRowTask task, Worker& worker) const {
+    const std::ptrdiff_t code_bytes = model_.bits <= 8 ? 1 : 2;
     worker.shots.clear();
     for (std::size_t j = 0; j < sources_.size(); ++j) {
-      ShotRow shot{sources_[j]->codes(y), nullptr, sources_[j]->exposure()};
-      if (!sources_[j]->registered()) {
-        WarpedRow& warped = worker.warped[j];
-        if (warped.level[0].empty()) warped = WarpedRow(size_.width);
-        sources_[j]->warp(y, warped);
-        shot.warped = &warped;
+      ShotRow shot{nullptr, nullptr, sources_[j]->exposure()};
+      if (sources_[j]->registered()) {
+        shot.codes = static_cast<const char*>(sources_[j]->codes(y)) + 3 * code_bytes * block.x0;
+      } else {
+        shot.warped = &worker.warped[j][static_cast<std::size_t>(y - block.y0)];
       }
       worker.shots.push_back(shot);
     }
-    MergeRowTask task{&model_, worker.shots.data(), static_cast<int>(worker.shots.size()), size_.width};
-    task.rgb = views.rgb.row(row);
-    task.stddev = views.stddev.empty() ? nullptr : views.stddev.row(row);
-    task.unmeasured = worker.unmeasured.data();
+    task.shots = worker.shots.data();
+    task.count = static_cast<int>(worker.shots.size());
+    task.width = block.x1 - block.x0;
     const TileCount tiles = merge_row(task, worker.scratch);
     worker.tiles.all += tiles.all;
     worker.tiles.skipped += tiles.skipped;
-    finish_row(y, task, views.flags.empty() ? nullptr : views.flags.row(row), worker);
   }
 
   /// Flat field, bounds and flags.
@@ -201,6 +235,7 @@ class BandMerger {
   const FlatField& flat_;
   Size size_;
   std::vector<Worker> workers_;
+  bool any_warped_;
 };
 
 }  // namespace

@@ -32,12 +32,16 @@ class LevelVariance {
   double range_;
 };
 
+/// The level in the middle of a bin.
+float level_of_bin(std::int32_t bin) {
+  const auto bits = static_cast<std::uint32_t>(PrecisionTable::kFirst + bin) << PrecisionTable::kShift;
+  return std::bit_cast<float>(bits + (1u << (PrecisionTable::kShift - 1)));
+}
+
 PrecisionTable precision_table(const LevelVariance& variance) {
   PrecisionTable table;
   for (std::int32_t bin = 0; bin < PrecisionTable::kBins; ++bin) {
-    const auto bits = static_cast<std::uint32_t>(PrecisionTable::kFirst + bin) << PrecisionTable::kShift;
-    const float level = std::bit_cast<float>(bits + (1u << (PrecisionTable::kShift - 1)));
-    table.values.push_back(static_cast<float>(1 / variance(level)));
+    table.values.push_back(static_cast<float>(1 / variance(level_of_bin(bin))));
   }
   return table;
 }
@@ -60,6 +64,26 @@ double reach(const LevelVariance& variance, double bound, int sign) {
     (middle - bound < deviations * std::sqrt(variance(middle)) ? low : high) = middle;
   }
   return high;
+}
+
+/// The hat's weights at levels between those of the codes: linear from code to code, between the first that is light
+/// and the last that is not clipped.
+std::vector<float> weights_of_levels(const ChannelModel& model, std::size_t clipped) {
+  const auto first = static_cast<std::size_t>(model.black_code) + 1;
+  std::vector<float> weights;
+  std::size_t above = first;
+  for (std::int32_t bin = 0; bin < PrecisionTable::kBins; ++bin) {
+    const float level = level_of_bin(bin);
+    while (above < clipped && model.level[above] < level) ++above;
+    if (above == first || above >= clipped) {
+      weights.push_back(model.weight[std::min(above, clipped - 1)]);
+      continue;
+    }
+    const float below_level = model.level[above - 1], step = model.level[above] - below_level;
+    const float t = step > 0 ? std::clamp((level - below_level) / step, 0.0f, 1.0f) : 1;
+    weights.push_back((1 - t) * model.weight[above - 1] + t * model.weight[above]);
+  }
+  return weights;
 }
 
 ChannelModel channel_model(const Response& response, int channel, const MergeModelOptions& options) {
@@ -106,6 +130,7 @@ ChannelModel channel_model(const Response& response, int channel, const MergeMod
       model.weight_light.push_back(model.weight[code] * static_cast<float>(light[code]));
     }
     model.weight_light.resize(static_cast<std::size_t>(table_size));
+    model.weight_of_level = weights_of_levels(model, static_cast<std::size_t>(clipped));
   }
   return model;
 }

@@ -15,6 +15,7 @@ struct Observation {
   float exposure = 1;
   float level = -1;  ///< negative: outside the photograph, or shut out
   float weight = 0, weight_light = 0;
+  float information = 1, trust = 1;
 };
 
 int code_at(const MergeRowTask& task, int shot, int sample) {
@@ -33,8 +34,12 @@ void observe(const MergeRowTask& task, int x, std::size_t c, std::vector<Observa
     o.exposure = task.shots[j].exposure;
     bool closes = false;
     const auto pixel = static_cast<std::size_t>(x);
+    const float* trust = task.shots[j].trust;
+    const bool trusted = !trust || trust[pixel] > 0;
     if (const WarpedRow* warped = task.shots[j].warped) {
       closes = warped->closes[c][pixel] != 0;
+      o.information = warped->information[c][pixel];
+      o.trust = warped->trust[c][pixel];
       if (open && task.model->hat) {
         o.weight = warped->weight[c][pixel];
         o.weight_light = warped->weight_light[c][pixel];
@@ -51,7 +56,13 @@ void observe(const MergeRowTask& task, int x, std::size_t c, std::vector<Observa
         o.level = channel.level[static_cast<std::size_t>(code)];
       }
     }
-    open = open && !closes;
+    if (trust) {
+      o.trust *= trust[pixel];
+      o.weight *= trust[pixel];
+      o.weight_light *= trust[pixel];
+      if (!trusted) o.level = -1;
+    }
+    open = open && !(closes && trusted);
     out.push_back(o);
   }
 }
@@ -69,6 +80,7 @@ std::size_t censoring_bin(float z) {
 
 struct Estimate {
   float value = 0, precision = 0;
+  float spread = 0;       ///< the precisions times their trust: of a weighted mean that is the variance's numerator
   bool censored = false;  ///< a shot near one of its bounds took part
 };
 
@@ -81,12 +93,13 @@ Estimate score(const ChannelModel& m, const std::vector<Observation>& shots, flo
     const float H = shots[j].exposure, level = shots[j].level;
     const float expected = radiance * H;
     if (expected > m.beyond_clip) continue;  // clipped for certain
-    const float precision = precision_at(m, expected) * H;
+    const float per_level = precision_at(m, expected) * shots[j].information, trust = shots[j].trust;
+    const float precision = per_level * trust * H;
     const bool clipped = level >= m.clip_bound, black = level <= m.black_bound;
     const bool near_clip = expected >= m.near_clip, near = near_clip || expected <= m.near_black;
     float information = 1, term = level;
     if (near) {
-      const float inverse = std::sqrt(precision_at(m, expected)), deviation = 1 / inverse;
+      const float inverse = std::sqrt(per_level), deviation = 1 / inverse;
       const std::size_t to_clip = censoring_bin((m.clip_bound - expected) * inverse);
       const std::size_t to_black = censoring_bin((expected - m.black_bound) * inverse);
       information = std::max(0.0f, table.information[to_clip] + table.information[to_black] - 1);
@@ -97,10 +110,11 @@ Estimate score(const ChannelModel& m, const std::vector<Observation>& shots, flo
     }
     const float weight = precision * H * information;
     // A shot that adds less than 1/256 of what longer ones gave is left out, with all that are shorter.
-    if (!near_clip && weight * 256 < total) break;
+    if (!near_clip && weight * 256 < total * trust) break;
     if (level < 0 || (!near && (clipped || black))) continue;
     sum += precision * term;
     total += weight;
+    estimate.spread += weight * trust;
     estimate.censored = estimate.censored || near;
   }
   estimate.value = std::max(floor, sum / std::max(total, std::numeric_limits<float>::min()));
@@ -147,7 +161,10 @@ void merge_sample_by_likelihood(const MergeRowTask& task, const std::vector<Obse
     return;
   }
   task.rgb[sample] = estimate.value * m.saturation;
-  if (task.stddev) task.stddev[sample] = m.saturation / std::sqrt(estimate.precision);
+  if (task.stddev) {
+    task.stddev[sample] =
+        m.saturation / std::sqrt(estimate.precision) * std::sqrt(estimate.spread / estimate.precision);
+  }
 }
 
 void merge_sample_by_hat(const MergeRowTask& task, const std::vector<Observation>& shots, std::size_t sample) {
@@ -165,7 +182,9 @@ void merge_sample_by_hat(const MergeRowTask& task, const std::vector<Observation
   if (!task.stddev) return;
   const float radiance = task.rgb[sample] * (1 / m.saturation);
   float variance = 0;
-  for (const Observation& o : shots) variance += o.weight * o.weight / precision_at(m, radiance * o.exposure);
+  for (const Observation& o : shots) {
+    variance += o.weight * o.weight / (precision_at(m, radiance * o.exposure) * o.information);
+  }
   task.stddev[sample] = m.saturation * std::sqrt(variance) / total;
 }
 

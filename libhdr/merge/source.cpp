@@ -24,86 +24,6 @@ RowRange rows_needed(const Mat3& photo_from_ref, Size size, int y0, int y1) {
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-/// A position in the photograph, its four neighbours and their shares.
-struct Sample {
-  int x[2], y[2];
-  float u, v;
-};
-
-/// Where pixel (x, y) of the map falls; false: outside. A pixel reaches half a pixel beyond its centre; NaN and points
-/// behind the camera fail the test.
-bool position(const Mat3& photo_from_ref, Size size, int x, int y, Vec2& out) {
-  const Vec3 p = photo_from_ref * Vec3(x, y, 1);
-  out = {p.x() / p.z(), p.y() / p.z()};
-  return p.z() > 0 && out.x() >= -0.5 && out.y() >= -0.5 && out.x() <= size.width - 0.5 && out.y() <= size.height - 0.5;
-}
-
-Sample sample_at(const Vec2& p, Size size) {
-  const double left = std::floor(p.x()), top = std::floor(p.y());
-  Sample s;
-  s.x[0] = std::max(0, static_cast<int>(left));
-  s.x[1] = std::min(size.width - 1, static_cast<int>(left) + 1);
-  s.y[0] = std::max(0, static_cast<int>(top));
-  s.y[1] = std::min(size.height - 1, static_cast<int>(top) + 1);
-  s.u = static_cast<float>(p.x() - left);
-  s.v = static_cast<float>(p.y() - top);
-  return s;
-}
-
-/// One channel of one pixel: light is mixed with light, and a clipped neighbour has no voice.
-void mix(const MergeModel& model, std::size_t c, std::size_t x, const int (&codes)[4], const float (&share)[4],
-         int nearest, WarpedRow& out) {
-  const ChannelModel& channel = model.channel[c];
-  const auto code = [&](int k) { return static_cast<std::size_t>(codes[k]); };
-  out.closes[c][x] = codes[nearest] >= model.closing_code;
-  float weight = 0, sum = 0;
-  if (model.hat) {
-    for (int k = 0; k < 4; ++k) {
-      weight += share[k] * channel.weight[code(k)];
-      sum += share[k] * channel.weight_light[code(k)];
-    }
-    out.weight[c][x] = weight;
-    out.weight_light[c][x] = sum;
-    return;
-  }
-  if (codes[nearest] >= model.clipped_code) {
-    out.level[c][x] = channel.level[code(nearest)];
-    return;
-  }
-  for (int k = 0; k < 4; ++k) {
-    if (codes[k] >= model.clipped_code) continue;
-    weight += share[k];
-    sum += share[k] * channel.level[code(k)];
-  }
-  out.level[c][x] = sum / weight;  // the nearest has a quarter of a share or more
-}
-
-template <class Code>
-void warp_row(const View<const Code>& view, int first_row, Size size, const Mat3& photo_from_ref,
-              const MergeModel& model, int y, WarpedRow& out) {
-  for (int x = 0; x < size.width; ++x) {
-    const auto column = static_cast<std::size_t>(x);
-    Vec2 p;
-    if (!position(photo_from_ref, size, x, y, p)) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        out.level[c][column] = -1;
-        out.weight[c][column] = out.weight_light[c][column] = 0;
-        out.closes[c][column] = 0;
-      }
-      continue;
-    }
-    const Sample s = sample_at(p, size);
-    const float share[4] = {(1 - s.u) * (1 - s.v), s.u * (1 - s.v), (1 - s.u) * s.v, s.u * s.v};
-    const Code* corner[4];
-    for (int k = 0; k < 4; ++k) corner[k] = view.pixel(s.x[k % 2], s.y[k / 2] - first_row);
-    const int nearest = (s.u < 0.5f ? 0 : 1) + (s.v < 0.5f ? 0 : 2);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int codes[4] = {corner[0][c], corner[1][c], corner[2][c], corner[3][c]};
-      mix(model, c, column, codes, share, nearest, out);
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<RowRange> rows_of_bands(const Mat3& photo_from_ref, Size size, int band_height) {
@@ -135,6 +55,7 @@ Source::Source(const Photo& photo, const Mat3& ref_from_photo, const MergeModel&
       size_(photo.size()),
       registered_(ref_from_photo.isIdentity(0)),
       photo_from_ref_(ref_from_photo.inverse()),
+      resampler_(model, photo_from_ref_, size_),
       exposure_(static_cast<float>(exposure)),
       ranges_(rows_of_bands(registered_ ? Mat3::Identity() : photo_from_ref_, size_, band_height)) {}
 
@@ -152,13 +73,13 @@ const void* Source::codes(int y) const {
   return std::visit([&](const auto& view) -> const void* { return view.row(y - range_.first); }, view_);
 }
 
-void Source::warp(int y, WarpedRow& out) const {
-  std::visit([&](const auto& view) { warp_row(view, range_.first, size_, photo_from_ref_, model_, y, out); }, view_);
+void Source::warp(const Block& block, Resampler::Patch& patch, std::vector<WarpedRow>& rows) const {
+  resampler_.warp(view_, range_.first, block, patch, rows);
 }
 
 bool Source::nearest(int x, int y, std::array<int, 3>& codes) const {
   Vec2 p(x, y);
-  if (!registered_ && !position(photo_from_ref_, size_, x, y, p)) return false;
+  if (!registered_ && !resampler_.position(x, y, p)) return false;
   const int u = std::clamp(static_cast<int>(std::lround(p.x())), 0, size_.width - 1);
   const int v = std::clamp(static_cast<int>(std::lround(p.y())), 0, size_.height - 1);
   std::visit([&](const auto& view) { std::copy_n(view.pixel(u, v - range_.first), 3, codes.begin()); }, view_);

@@ -44,8 +44,9 @@ struct ChannelModel {
   float dark = 0;  ///< the level that black stands for
 
   // Hat.
-  std::vector<float> weight;        ///< by code
-  std::vector<float> weight_light;  ///< weight times light
+  std::vector<float> weight;           ///< by code
+  std::vector<float> weight_light;     ///< weight times light
+  std::vector<float> weight_of_level;  ///< between the codes, by bins of the level as in PrecisionTable
 };
 
 struct MergeModel {

@@ -12,12 +12,15 @@ namespace hdr::internal {
 /// Rows are merged in tiles of this many pixels.
 constexpr int kTile = 64;
 
-/// A row of a shot that had to be resampled: one plane a channel, a whole number of tiles long.
+/// A row of a shot that had to be resampled, or a part of one: one plane a channel, a whole number of tiles long.
 struct WarpedRow {
   explicit WarpedRow(int width = 0);
+  void set_outside(std::size_t x);
 
   std::array<std::vector<float>, 3> level;                 ///< maximum likelihood; negative outside the photograph
-  std::array<std::vector<float>, 3> weight, weight_light;  ///< hat; zero outside
+  std::array<std::vector<float>, 3> weight, weight_light;  ///< hat, trust included; zero outside
+  std::array<std::vector<float>, 3> information;           ///< variance of a pixel's own code over that of this mean
+  std::array<std::vector<float>, 3> trust;                 ///< maximum likelihood: how far it is believed, (0, 1]
   std::array<std::vector<std::uint8_t>, 3> closes;         ///< 1: the nearest code closes the sample
 };
 
@@ -26,6 +29,8 @@ struct ShotRow {
   const void* codes = nullptr;        ///< RGB interleaved, of 8 or 16 bits as the model says; nullptr: it is warped
   const WarpedRow* warped = nullptr;  ///< else nullptr
   float exposure = 1;                 ///< H in the map's unit
+  /// How far each pixel is believed, 0 .. 1, for a whole number of tiles; at 0 it is as if outside. nullptr: all are.
+  const float* trust = nullptr;
 };
 
 struct TileCount {

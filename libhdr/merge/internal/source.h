@@ -10,6 +10,7 @@
 #include "libhdr/core/vec.h"
 #include "libhdr/merge/internal/merge_model.h"
 #include "libhdr/merge/internal/merge_row.h"
+#include "libhdr/merge/internal/resample.h"
 
 namespace hdr::internal {
 
@@ -18,8 +19,8 @@ struct RowRange {
   bool operator==(const RowRange&) const = default;
 };
 
-/// Rows of a photograph that each band of `band_height` rows of the map needs, bilinear neighbours included; neither
-/// end ever falls. Bands that need none repeat the ends of their neighbours.
+/// Rows of a photograph that each band of `band_height` rows of the map needs, neighbours of cubic convolution
+/// included; neither end ever falls. Bands that need none repeat the ends of their neighbours.
 std::vector<RowRange> rows_of_bands(const Mat3& photo_from_ref, Size size, int band_height);
 
 class Source {
@@ -34,8 +35,8 @@ class Source {
   bool registered() const { return registered_; }
   /// Row y of the map, within the band; a registered shot's codes, or nullptr.
   const void* codes(int y) const;
-  /// Row y of the map from a shot that is not registered.
-  void warp(int y, WarpedRow& out) const;
+  /// A block of the band from a shot that is not registered; one of `rows` for each of the block's.
+  void warp(const Block& block, Resampler::Patch& patch, std::vector<WarpedRow>& rows) const;
   /// The codes of the pixel nearest to pixel (x, y) of the map; false: outside the photograph.
   bool nearest(int x, int y, std::array<int, 3>& codes) const;
 
@@ -57,6 +58,7 @@ class Source {
   Size size_;
   bool registered_;
   Mat3 photo_from_ref_;
+  Resampler resampler_;
   float exposure_;
   std::vector<RowRange> ranges_;
   CodesView view_;
