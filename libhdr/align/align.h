@@ -24,8 +24,9 @@ std::optional<AlignMethod> align_method_from_name(const std::string& name);
 /// One row for each shot, in the order of Bracket::shots.
 struct FrameAlignment {
   Mat3 ref_from_photo = Mat3::Identity();  ///< p_ref = ref_from_photo * p_photo, pixel centres at integers
-  double residual_px = 0;                  ///< estimated error of the registration, pixels (one standard deviation)
-  std::string skipped;                     ///< why this shot was not (or need not be) registered; else empty
+  double residual_px = 0;  ///< estimated error of the registration, pixels: root mean square over the picture
+  double inliers = 0;      ///< share of the textured tiles that agree with the motion
+  std::string skipped;     ///< why this shot was not (or need not be) registered; else empty
 };
 
 struct Alignment {
@@ -35,9 +36,10 @@ struct Alignment {
   std::vector<Mat3> ref_from_photo() const;
 };
 
-/// Neighbour to neighbour in exposure order, on linearised and exposure-matched pairs, chained to the reference (the
-/// best-exposed shot). Translations. Shots that are registered already keep the identity, and `skipped` says so with
-/// the measured bound in pixels. `response` may be provisional: a gain and a contrast are estimated with each pair.
+/// Neighbours and next neighbours in exposure order, on linearised and exposure-matched pairs, reconciled jointly on
+/// the reference (the best-exposed shot). A shift, a rigid motion, an affine one or a homography, as the pictures
+/// support it. Shots that are registered already keep the identity, and `skipped` says so with the measured bound in
+/// pixels. `response` may be provisional: a photometric match is estimated with each pair.
 Alignment align(const Bracket& bracket, const Response& response, AlignMethod method = AlignMethod::kAuto);
 
 /// Identity for every shot.

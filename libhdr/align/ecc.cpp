@@ -26,13 +26,13 @@ cv::Mat common_mask(const LogPicture& a, const LogPicture& b, const Vec2& start)
 
 }  // namespace
 
-PairMotion ecc_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start) {
+PairMotion ecc_shift(const Pyramid& a, const Pyramid& b, const Vec2& start) {
   const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-6);
   constexpr int kNoBlur = 1;  // the pictures are smoothed already, with care for their unusable pixels
   Vec2 shift = start;
   bool converged = false;
-  for (std::size_t level = std::min(a.size(), b.size()); level-- > 0;) {
-    const LogPicture &pa = a[level], &pb = b[level];
+  for (std::size_t level = std::min(a.levels.size(), b.levels.size()); level-- > 0;) {
+    const LogPicture &pa = a.levels[level], &pb = b.levels[level];
     cv::Mat warp = (cv::Mat_<float>(2, 3) << 1, 0, shift.x() / pa.cell, 0, 1, shift.y() / pa.cell);
     try {
       cv::findTransformECC(mat_from_view(pa.ln.view()), mat_from_view(pb.ln.view()), warp, cv::MOTION_TRANSLATION,
@@ -43,7 +43,7 @@ PairMotion ecc_shift(std::span<const LogPicture> a, std::span<const LogPicture> 
       converged = false;  // a coarse level may have too little in common; the finest must not
     }
   }
-  return converged ? assess_shift(a.front(), b.front(), shift) : failed("the correlation did not converge");
+  return converged ? assess_shift(a, b, shift) : failed("the correlation did not converge");
 }
 
 }  // namespace hdr::internal

@@ -1,93 +1,23 @@
 #include "libhdr/align/internal/gauss_newton.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "libhdr/align/internal/warped_rows.h"
 #include "libhdr/core/parallel.h"
 
 namespace hdr::internal {
 namespace {
 
-constexpr int kTile = 32;
 constexpr int kSampleStep = 3;  // of the pixels whose residuals are kept for the median
 // What is not noise in a residual: texture finer than the pixels, an approximate response. Natural log units.
 constexpr double kModelVariance = 0.02 * 0.02;
-
-/// The four taps of Catmull-Rom's cubic at fraction f: through the samples, and third order.
-std::array<float, 4> cubic_taps(double f) {
-  const double f2 = f * f, f3 = f2 * f;
-  return {static_cast<float>(-0.5 * f + f2 - 0.5 * f3), static_cast<float>(1 - 2.5 * f2 + 1.5 * f3),
-          static_cast<float>(0.5 * f + 2 * f2 - 1.5 * f3), static_cast<float>(-0.5 * f2 + 0.5 * f3)};
-}
-
-/// b resampled at x + t: one shift for all pixels, so the sixteen taps are constants.
-class ShiftedRows {
- public:
-  ShiftedRows(const LogPicture& b, const Vec2& t)
-      : b_(b),
-        dx_(static_cast<int>(std::floor(t.x()))),
-        dy_(static_cast<int>(std::floor(t.y()))),
-        taps_x_(cubic_taps(t.x() - dx_)),
-        taps_y_(cubic_taps(t.y() - dy_)) {}
-
-  /// Columns [first_x, last_x) of a whose sixteen neighbours lie in b.
-  int first_x() const { return std::max(0, 1 - dx_); }
-  int last_x(int width) const { return std::min(width, b_.ln.width() - 2 - dx_); }
-  bool covers_row(int y) const { return y + dy_ >= 1 && y + dy_ + 2 < b_.ln.height(); }
-
-  void resample(int y, int first, int last, float* ln, float* variance) const {
-    std::fill(ln + first, ln + last, 0.0f);
-    for (int j = 0; j < 4; ++j) {
-      const float* row = b_.ln.row(y + dy_ + j - 1) + dx_ - 1;
-      for (int i = 0; i < 4; ++i) {
-        const float tap = taps_y_[static_cast<std::size_t>(j)] * taps_x_[static_cast<std::size_t>(i)];
-        for (int x = first; x < last; ++x) ln[x] += tap * row[x + i];
-      }
-    }
-    // Each variance already speaks for its 3x3 neighbourhood, so the four around speak for all sixteen taps.
-    const float *above = b_.variance.row(y + dy_) + dx_, *below = b_.variance.row(y + dy_ + 1) + dx_;
-    for (int x = first; x < last; ++x) {
-      variance[x] = std::max(std::max(above[x], above[x + 1]), std::max(below[x], below[x + 1]));
-    }
-  }
-
- private:
-  const LogPicture& b_;
-  int dx_, dy_;
-  std::array<float, 4> taps_x_, taps_y_;
-};
-
-/// Sums of products over one tile. A pixel touches two neighbouring knots only, so that part of the Hessian is a band.
-struct Products {
-  double xx = 0, xy = 0, yy = 0;
-  std::array<double, kKnots> x_knot{}, y_knot{}, knot{}, next_knot{};
-  Unknowns score = Unknowns::Zero();
-
-  void add_to(Hessian& h) const {
-    h(0, 0) += xx;
-    h(0, 1) += xy;
-    h(1, 0) += xy;
-    h(1, 1) += yy;
-    for (int k = 0; k < kKnots; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      h(0, 2 + k) += x_knot[i];
-      h(2 + k, 0) += x_knot[i];
-      h(1, 2 + k) += y_knot[i];
-      h(2 + k, 1) += y_knot[i];
-      h(2 + k, 2 + k) += knot[i];
-      if (k + 1 == kKnots) break;
-      h(2 + k, 3 + k) += next_knot[i];
-      h(3 + k, 2 + k) += next_knot[i];
-    }
-  }
-};
 
 class RowAccumulator {
  public:
   RowAccumulator(const LogPicture& a, const PhotometricMatch& match) : a_(a), match_(match) {}
 
-  void add(int y, int first, int last, const float* ln_b, const float* variance_b, Products& sums,
+  void add(int y, int first, int last, const float* ln_b, const float* variance_b, TileSums& sums,
            Linearization& part) const {
     const float *above = a_.ln.row(y - 1), *here = a_.ln.row(y), *below = a_.ln.row(y + 1);
     const float* variance_a = a_.variance.row(y);
@@ -107,7 +37,7 @@ class RowAccumulator {
       const double fade = 1 / (1 + outlying * outlying);
       const double weight = fade * fade / variance;
       const double gx = 0.5 * (here[x + 1] - here[x - 1]), gy = 0.5 * (below[x] - above[x]);
-      // dr/d(t_x, t_y, this knot, next knot) = (gx, gy, -to_this, -to_next)
+      // dr/d(e_x, e_y, this knot, next knot) = (gx, gy, -to_this, -to_next)
       const double wx = weight * gx, wy = weight * gy, wr = weight * residual;
       sums.xx += wx * gx;
       sums.xy += wx * gy;
@@ -119,10 +49,12 @@ class RowAccumulator {
       sums.knot[k] += weight * to_this * to_this;
       sums.knot[k + 1] += weight * to_next * to_next;
       sums.next_knot[k] += weight * to_this * to_next;
-      sums.score[0] += gx * wr;
-      sums.score[1] += gy * wr;
-      sums.score[2 + row] -= to_this * wr;
-      sums.score[3 + row] -= to_next * wr;
+      sums.shift_score.x() += gx * wr;
+      sums.shift_score.y() += gy * wr;
+      sums.knot_score[row] -= to_this * wr;
+      sums.knot_score[row + 1] -= to_next * wr;
+      sums.loss += 1 - fade;
+      ++sums.pixels;
       if (++part.pixels % kSampleStep == 0) part.magnitudes.push_back(static_cast<float>(magnitude));
     }
   }
@@ -132,10 +64,14 @@ class RowAccumulator {
   const PhotometricMatch& match_;
 };
 
-void add_tile(Linearization& part, const Products& tile) {
-  tile.add_to(part.hessian);
-  part.score += tile.score;
-  part.tile_scores.push_back(tile.score);
+/// From gradients in pixels of the picture to displacements in pixels of the photograph.
+void rescale(TileSums& tile, double cell) {
+  for (double* second : {&tile.xx, &tile.xy, &tile.yy}) *second /= cell * cell;
+  for (std::size_t k = 0; k < kKnots; ++k) {
+    tile.x_knot[k] /= cell;
+    tile.y_knot[k] /= cell;
+  }
+  tile.shift_score /= cell;
 }
 
 }  // namespace
@@ -163,32 +99,38 @@ PhotometricMatch unmatched(const LogPicture& a) {
   return match;
 }
 
-Linearization linearize(const LogPicture& a, const LogPicture& b, const Vec2& t, const PhotometricMatch& match) {
-  const ShiftedRows shifted(b, t);
+int tile_side(Size size) {
+  // Wider than what noise and interpolation correlate; enough of them to tell their scatter.
+  return std::clamp(std::min(size.width, size.height) / 12, 8, 32);
+}
+
+Linearization linearize(const LogPicture& a, const LogPicture& b, const Mat3& b_from_a, const PhotometricMatch& match) {
+  const WarpedRows warped(b, motion_of_cells(b_from_a, a.cell));
   const RowAccumulator rows(a, match);
-  const int width = a.ln.width(), height = a.ln.height();
-  const int first_x = std::max(1, shifted.first_x()), last_x = shifted.last_x(width - 1);
+  const int width = a.ln.width(), height = a.ln.height(), side = tile_side(a.ln.size());
   const auto one_band = [&](int first, int last) {
     Linearization part;
-    if (first_x >= last_x) return part;
-    std::vector<Products> tiles(static_cast<std::size_t>(width / kTile + 1));
+    std::vector<TileSums> tiles(static_cast<std::size_t>(width / side + 1));
     std::vector<float> ln(static_cast<std::size_t>(width)), variance(static_cast<std::size_t>(width));
     for (int y = std::max(first, 1); y < std::min(last, height - 1); ++y) {
-      if (!shifted.covers_row(y)) continue;
-      shifted.resample(y, first_x, last_x, ln.data(), variance.data());
-      for (int x = first_x; x < last_x; x = (x / kTile + 1) * kTile) {
-        rows.add(y, x, std::min(last_x, (x / kTile + 1) * kTile), ln.data(), variance.data(),
-                 tiles[static_cast<std::size_t>(x / kTile)], part);
+      warped.resample(y, 1, width - 1, ln.data(), variance.data());
+      for (int x = 1; x < width - 1; x = (x / side + 1) * side) {
+        rows.add(y, x, std::min(width - 1, (x / side + 1) * side), ln.data(), variance.data(),
+                 tiles[static_cast<std::size_t>(x / side)], part);
       }
     }
-    for (const Products& tile : tiles) add_tile(part, tile);
+    for (std::size_t k = 0; k < tiles.size(); ++k) {
+      if (tiles[k].pixels == 0) continue;
+      rescale(tiles[k], a.cell);
+      const double left = static_cast<double>(k) * side, right = std::min<double>(left + side, width);
+      tiles[k].middle = a.cell * Vec2(0.5 * (left + right), 0.5 * (first + last)) - Vec2(0.5, 0.5);
+      part.tiles.push_back(tiles[k]);
+    }
     return part;
   };
-  return reduce_rows(height, kTile, Linearization{}, one_band, [](Linearization& total, Linearization& part) {
-    total.hessian += part.hessian;
-    total.score += part.score;
+  return reduce_rows(height, side, Linearization{}, one_band, [](Linearization& total, Linearization& part) {
     total.pixels += part.pixels;
-    total.tile_scores.insert(total.tile_scores.end(), part.tile_scores.begin(), part.tile_scores.end());
+    total.tiles.insert(total.tiles.end(), part.tiles.begin(), part.tiles.end());
     total.magnitudes.insert(total.magnitudes.end(), part.magnitudes.begin(), part.magnitudes.end());
   });
 }

@@ -119,10 +119,7 @@ PairMotion mtb_shift(const Photo& a, const Photo& b) {
     still = difference(in_a, in_b, 0, 0);
   }
   if (best >= 0.5 || best > still) return failed("moving it would not match its neighbour better");
-  PairMotion motion;
-  motion.b_from_a = Vec2(x, y);
-  motion.covariance = Mat2::Identity() / 12;  // the rounding to whole pixels
-  return motion;
+  return shift_motion(a.size(), Vec2(x, y), Mat2::Identity() / 12);  // the rounding to whole pixels
 }
 
 }  // namespace hdr::internal

@@ -1,11 +1,11 @@
-// Sub-pixel registration: robust, masked Gauss-Newton in log radiance, coarse to fine.
+// Sub-pixel registration: robust, masked Gauss-Newton in log radiance, coarse to fine [Bergen92], with the motion model
+// that the pictures support.
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "libhdr/align/internal/gauss_newton.h"
+#include "libhdr/align/internal/evidence.h"
 #include "libhdr/align/internal/pair.h"
 
 namespace hdr::internal {
@@ -15,180 +15,264 @@ constexpr std::size_t kFewestPixels = 64;
 constexpr double kLargestError = 0.75;      // pixels of the level; beyond, the content does not fix the motion
 constexpr double kAliasing = 0.007;         // pixels of the level in each axis: detail beyond Nyquist moves by itself
 constexpr double kMedianOfNormal = 0.6745;  // median |z| of a standard normal
+constexpr double kLeastUnmoved = 0.3;       // of the pixels in common, those that are unmoved too
+constexpr double kLeastInliers = 0.5;       // of the textured tiles: fewer show another scene, or another motion
 
-/// Where the iterations stand at one level, in pixels of that level.
+/// Where the iterations stand at one level.
 struct Estimate {
-  Vec2 t = Vec2::Zero();
-  Mat2 covariance = Mat2::Zero();
+  Mat3 motion = Mat3::Identity();  ///< of photograph pixels, at which the last linearisation was made
+  Step step;                       ///< and where it leads under the model
+  MotionModel model = MotionModel::kTranslation;
   PhotometricMatch match;
-  double median = 0;              ///< of |residual| / sigma at t
-  std::vector<float> magnitudes;  ///< |residual| / sigma at t, of a sample of the pixels
-  std::size_t pixels = 0;
+  Linearization at;
+  double median = 0;  ///< of |residual| / sigma
   bool enough = false;
+
+  Mat3 stepped(const MotionFrame& frame) const { return motion * frame.motion(step.motion); }
 };
 
-/// Knots that few pixels speak for follow their neighbours in a straight line: a faint penalty on second differences.
-Hessian bending_penalty(const Hessian& hessian) {
-  const double strength = 1e-4 * hessian.diagonal().tail<kKnots>().sum() + 1e-12;
-  Hessian penalty = Hessian::Zero();
-  for (int k = 2; k + 2 < kUnknowns; ++k) {
-    Unknowns bend = Unknowns::Zero();
-    bend.segment<3>(k) = Vec3(1, -2, 1);
-    penalty += strength * bend * bend.transpose();
-  }
-  return penalty;
+/// A step stays within the reach of the linearisation: `reach` pixels.
+void shorten(const MotionFrame& frame, Step& step, double reach) {
+  const double length = frame.farthest_between(Mat3::Identity(), frame.motion(step.motion));
+  if (length > reach) step.motion *= reach / length;
 }
 
-/// A trace of regularisation keeps a constant picture solvable: its shift is then 0, its error huge.
-Hessian inverse_of(Hessian h) {
-  h.diagonal().head<2>().array() += 1e-12;
-  h.diagonal().tail<kKnots>().array() += 1e-9 * h.diagonal().tail<kKnots>().sum() + 1e-12;
-  return h.ldlt().solve(Hessian::Identity());
-}
-
-/// The sandwich of [White80] with tiles as its independent observations: H^-1 (sum s s^t) H^-1. Honest about noise that
-/// neighbours share, moved content and an approximate response alike, since it uses the residuals that are there.
-Mat2 covariance_of_shift(const Linearization& at, const Hessian& inverse) {
-  Mat2 covariance = Mat2::Zero();
-  for (const Unknowns& s : at.tile_scores) {
-    const Vec2 pull = inverse.topRows<2>() * s;
-    covariance += pull * pull.transpose();
-  }
-  return covariance;
-}
-
-/// Where Gauss-Newton would go next, without the shift when `move` is false.
-Unknowns step_from(const Linearization& at, const PhotometricMatch& match, bool move, Mat2& covariance) {
-  const Hessian penalty = bending_penalty(at.hessian);
-  Unknowns m = Unknowns::Zero();
-  m.tail<kKnots>() = match.value;
-  const Unknowns slope = at.score + penalty * m;
-  const Hessian inverse = inverse_of(at.hessian + penalty);
-  covariance = covariance_of_shift(at, inverse);
-  if (move) return -(inverse * slope);
-  // With t held, its rows and columns leave the system; what it would have moved is part of its doubt.
-  const Vec2 refused = inverse.topRows<2>() * slope;
-  covariance += refused * refused.transpose();
-  Hessian held = at.hessian + penalty;
-  held.topRows<2>().setZero();
-  held.leftCols<2>().setZero();
-  held.topLeftCorner<2, 2>().setIdentity();
-  Unknowns d = -(inverse_of(held) * slope);
-  d.head<2>().setZero();
-  return d;
-}
-
-/// Iterates (t, match) or, when `move` is false, the photometric match alone.
-Estimate iterate(const LogPicture& a, const LogPicture& b, Estimate e, int iterations, bool move) {
-  constexpr double kConverged = 0.003, kLongestStep = 1.5, kLost = 4;
-  const Vec2 start = e.t;
-  for (int k = 0; k <= iterations; ++k) {
-    Linearization at = linearize(a, b, e.t, e.match);
-    e.pixels = at.pixels;
-    e.enough = at.pixels >= kFewestPixels;
-    if (!e.enough) return e;
-    e.median = at.median_magnitude();
-    e.magnitudes = std::move(at.magnitudes);
-    const Unknowns d = step_from(at, e.match, move, e.covariance);
-    if (!d.allFinite()) {
-      e.enough = false;
-      return e;
-    }
-    if (k == iterations) break;
-    // Each step stays within the reach of the linearisation.
-    Vec2 step = d.head<2>();
-    if (step.norm() > kLongestStep) step *= kLongestStep / step.norm();
-    const bool settled = move && step.norm() < kConverged && std::isfinite(e.match.scale);
-    e.t += step;
-    e.match.value += d.tail<kKnots>();
+/// Iterates (motion, match) or, when `move` is false, the photometric match alone.
+void iterate(const MotionFrame& frame, const LogPicture& a, const LogPicture& b, Estimate& e, int iterations,
+             bool move) {
+  constexpr double kConverged = 0.003, kNearly = 0.02, kLongestStep = 2, kLost = 4;  // pixels of the level
+  const Mat3 start = e.motion;
+  for (int k = 0;; ++k) {
+    e.at = linearize(a, b, e.motion, e.match);
+    e.enough = e.at.pixels >= kFewestPixels;
+    if (!e.enough) return;
+    e.median = e.at.median_magnitude();
+    e.step = Evidence(frame, e.at, e.match).step(e.model, move);
+    e.enough = e.step.finite();
+    if (!e.enough) return;
+    shorten(frame, e.step, kLongestStep * a.cell);
+    // While the residuals shrink, so does the cut beyond which pixels are outliers: small steps may still lead far.
+    const double change = std::abs(e.median / kMedianOfNormal / e.match.scale - 1);
+    const double small = change < 0.03 ? kNearly : kConverged;
+    const bool settled = move && std::isfinite(e.match.scale) && e.step.motion.norm() < small * a.cell;
+    if (k == iterations || settled) return;
+    e.motion = e.stepped(frame);
+    e.match.value += e.step.match;
     e.match.scale = std::max(e.median / kMedianOfNormal, 1e-3);
-    if (settled || (e.t - start).norm() > kLost) break;
+    if (frame.rms_between(start, e.motion) > kLost * a.cell) return;
   }
-  return e;
 }
 
-/// Geman-McClure's mean loss, which the iterations lower.
+/// The same with the model that the pictures support, never a poorer one than before.
+void iterate_models(const MotionFrame& frame, const LogPicture& a, const LogPicture& b, Estimate& e, int iterations) {
+  iterate(frame, a, b, e, iterations, true);
+  while (e.enough && e.model != MotionModel::kProjective) {
+    const auto costs = Evidence(frame, e.at, e.match).costs(e.motion, kAliasing * a.cell);
+    const MotionModel better = cheapest(costs);
+    if (unknowns(better) <= unknowns(e.model)) return;
+    // Freedom helps a wrong match as well: only what agrees already may have more of it.
+    if (agreement(a, b, e.motion).value_or(0) < kLeastInliers) return;
+    const Estimate before = e;
+    e.model = better;
+    iterate(frame, a, b, e, iterations, true);
+    if (!e.enough) e = before;
+    if (!e.enough) return;
+  }
+}
+
+/// Geman-McClure's mean loss, which the iterations lower, at a common scale.
 double mean_loss(const Estimate& e, double scale) {
   double sum = 0;
-  for (const float magnitude : e.magnitudes) {
+  for (const float magnitude : e.at.magnitudes) {
     const double m2 = std::pow(magnitude / (3 * scale), 2);
     sum += m2 / (1 + m2);
   }
-  return e.magnitudes.empty() ? 0 : sum / static_cast<double>(e.magnitudes.size());
+  return e.at.magnitudes.empty() ? 0 : sum / static_cast<double>(e.at.magnitudes.size());
+}
+
+/// Why the answer does not explain the pictures better than no motion does; or empty.
+std::string no_better_than_still(const MotionFrame& frame, const LogPicture& a, const LogPicture& b,
+                                 const Estimate& e) {
+  if (frame.rms_between(e.motion, Mat3::Identity()) < 0.25 * a.cell) return "";
+  Estimate still;
+  still.match = e.match;
+  iterate(frame, a, b, still, 2, false);
+  // What is usable in one shot and in the other may not meet but where a shift makes it: such a match proves nothing.
+  if (!still.enough || static_cast<double>(still.at.pixels) < kLeastUnmoved * static_cast<double>(e.at.pixels)) {
+    return "unmoved they have too few pixels in common";
+  }
+  const double scale = std::max(e.median, 1e-3) / kMedianOfNormal;
+  return mean_loss(e, scale) > 1.01 * mean_loss(still, scale) ? "moving it would not match its neighbour better" : "";
+}
+
+/// The share of agreeing tiles, or why it is too small.
+struct Agreement {
+  double inliers = 0;
+  std::string trouble;
+};
+
+Agreement agreement_of(const LogPicture& a, const LogPicture& b, const Mat3& b_from_a) {
+  const std::optional<double> inliers = agreement(a, b, b_from_a);
+  if (!inliers) return {0, "they share no texture above their noise"};
+  if (*inliers >= kLeastInliers) return {*inliers, ""};
+  return {*inliers, fmt::format("only {:.0f} % of what they share agrees on one motion", 100 * *inliers)};
+}
+
+/// Where the compared pixels lie, weighted by what they say.
+Vec2 middle_of(const Linearization& at) {
+  Vec2 sum = Vec2::Zero();
+  double weights = 0;
+  for (const TileSums& tile : at.tiles) {
+    sum += (tile.xx + tile.yy) * tile.middle;
+    weights += tile.xx + tile.yy;
+  }
+  return weights > 0 ? Vec2(sum / weights) : at.tiles.front().middle;
 }
 
 /// What the estimate at the finest level is worth.
-PairMotion judged(const LogPicture& a, const LogPicture& b, const Estimate& e) {
+PairMotion measured(const MotionFrame& frame, const LogPicture& a, const Estimate& e, double inliers) {
   if (!e.enough) return failed("too few pixels in common");
+  const Evidence evidence(frame, e.at, e.match);
+  const double floor = kAliasing * a.cell;
   PairMotion motion;
-  motion.b_from_a = e.t * a.cell;
-  motion.covariance = (e.covariance + kAliasing * kAliasing * Mat2::Identity()) * (a.cell * a.cell);
-  if (!(std::sqrt(e.covariance.trace()) < kLargestError)) {
-    return failed(fmt::format("its content does not fix the motion (error {:.2g} px)", motion.error_px()));
+  motion.model = e.model;
+  motion.richest = evidence.richest();
+  motion.costs = evidence.costs(e.motion, floor);
+  motion.middle = middle_of(e.at);
+  motion.inliers = inliers;
+  motion.b_from_a = e.stepped(frame);
+  for (std::size_t k = 0; k < kMotionModels.size(); ++k) {
+    const int m = unknowns(kMotionModels[k]);
+    if (m > unknowns(motion.richest) && m > 2) break;
+    const Step step = evidence.step(kMotionModels[k]);
+    motion.measured[k].step = frame.vector(motion.b_from_a.inverse() * e.motion * frame.motion(step.motion));
+    motion.measured[k].covariance = step.covariance;
+    motion.measured[k].covariance.diagonal().head(m).array() += floor * floor;
   }
-  // The answer must explain the pictures better than no motion does.
-  if (e.t.norm() > 0.25) {
-    Estimate still;
-    still.match = e.match;
-    still = iterate(a, b, still, 2, false);
-    // What is usable in one shot and in the other may not meet but where a shift makes it: such a match proves nothing.
-    if (!still.enough) return failed("unmoved they have too few pixels in common");
-    const double scale = std::max(e.median, 1e-3) / kMedianOfNormal;
-    if (mean_loss(e, scale) > 1.01 * mean_loss(still, scale))
-      return failed("moving it would not match its neighbour better");
+  const double error = std::sqrt(evidence.step(MotionModel::kTranslation).covariance.trace());
+  if (!(error < kLargestError * a.cell)) {
+    return failed(fmt::format("its content does not fix the motion (error {:.2g} px)", error), inliers);
   }
   return motion;
 }
 
-/// Coarse to fine from `start` (photograph pixels) down to level `last`. The answer is in pixels of that level.
-Estimate descend(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start, std::size_t last) {
+/// Coarse to fine from `start` down to level `last`.
+Estimate descend(const MotionFrame& frame, std::span<const LogPicture> a, std::span<const LogPicture> b,
+                 const Mat3& start, std::size_t last) {
   constexpr int kIterations = 10, kMatchIterations = 4;
   Estimate e;
-  e.match = unmatched(a.front());
-  Vec2 shift = start;
+  e.match = unmatched(a[last]);
+  Mat3 motion = start;
   for (std::size_t level = a.size(); level-- > last;) {
     const double cell = a[level].cell;
     Estimate next = e;
-    next.t = shift / cell;
+    next.motion = motion;
     // Before the first step the photometric match must know which pixels are outliers, or they would lead it.
-    if (!std::isfinite(next.match.scale)) next = iterate(a[level], b[level], next, kMatchIterations, false);
-    next = iterate(a[level], b[level], next, kIterations, true);
+    if (!std::isfinite(next.match.scale)) {
+      iterate(frame, a[level], b[level], next, kMatchIterations, false);
+      next.motion = motion;
+    }
+    iterate_models(frame, a[level], b[level], next, kIterations);
     // A coarse level may have too little in common, or lead astray: then the finer ones speak for themselves.
-    const bool trusted = next.enough && (next.t * cell - shift).norm() < 3 * cell;
+    const bool trusted = next.enough && frame.rms_between(next.motion, motion) < 3 * cell;
     if (level > last && !trusted) continue;
-    e = next;
-    shift = e.t * cell;
+    motion = next.stepped(frame);
+    e = std::move(next);
   }
   return e;
 }
 
-/// Small for a match in many pixels: a wrong shift matches a few by chance.
+/// Small for a match in many pixels: a wrong motion matches a few by chance.
 double badness(const Estimate& e) {
-  return e.enough ? e.median / std::sqrt(static_cast<double>(e.pixels)) : std::numeric_limits<double>::infinity();
+  return e.enough ? e.median / std::sqrt(static_cast<double>(e.at.pixels)) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
 
-PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, std::span<const Vec2> starts) {
+PairMotion shift_motion(Size size, const Vec2& shift, const Mat2& covariance) {
+  PairMotion motion;
+  motion.b_from_a = shift_by(shift);
+  motion.middle = MotionFrame(size).middle;
+  motion.measured[0].covariance.topLeftCorner<2, 2>() = covariance;
+  motion.costs.fill(std::numeric_limits<double>::infinity());
+  motion.costs[0] = 0;
+  motion.inliers = 1;
+  return motion;
+}
+
+PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat3> starts) {
   constexpr double kNoiseLevel = 1.0;  // a median residual of about a standard deviation needs no rival
-  const std::size_t coarse = a.size() > 1 ? 1 : 0;
-  // Rivals are told apart at the last level but one, for a quarter of the work.
+  const MotionFrame frame(a.size);
+  const std::size_t coarse = a.coarse();
+  const LogPicture &ca = a.levels[coarse], &cb = b.levels[coarse];
   Estimate best;
-  for (const Vec2& start : starts) {
-    const Estimate e = descend(a, b, start, coarse);
-    if (badness(e) < badness(best)) best = e;
+  for (const Mat3& start : starts) {
+    Estimate e = descend(frame, a.levels, b.levels, start, coarse);
+    if (badness(e) < badness(best)) best = std::move(e);
     if (best.enough && &start == &starts.front() && best.median < kNoiseLevel) break;
   }
   if (!best.enough) return failed("too few pixels in common");
-  const Vec2 found = best.t * a[coarse].cell;
-  return judged(a.front(), b.front(), descend(a.first(1), b.first(1), found, 0));
+  const auto [inliers, trouble] = agreement_of(ca, cb, best.stepped(frame));
+  if (!trouble.empty()) return failed(trouble, inliers);
+  if (const std::string why = no_better_than_still(frame, ca, cb, best); !why.empty()) return failed(why, inliers);
+  if (coarse > 0) {
+    best.motion = best.stepped(frame);
+    iterate_models(frame, a.levels[0], b.levels[0], best, 6);
+  }
+  return measured(frame, a.levels[0], best, inliers);
 }
 
-PairMotion assess_shift(const LogPicture& a, const LogPicture& b, const Vec2& b_from_a) {
+PairMotion polish_motion(const Pyramid& a, const Pyramid& b, const Mat3& start, MotionModel model) {
+  const MotionFrame frame(a.size);
+  const std::size_t coarse = a.coarse();
   Estimate e;
-  e.t = b_from_a / a.cell;
+  e.motion = start;
+  e.model = model;
+  e.match = unmatched(a.levels[coarse]);
+  // The match, and what it takes for outliers, are found for less at the coarse level.
+  iterate(frame, a.levels[coarse], b.levels[coarse], e, 3, false);
+  if (!e.enough) return failed("too few pixels in common");
+  e.motion = start;
+  const auto [inliers, trouble] = agreement_of(a.levels[coarse], b.levels[coarse], start);
+  if (!trouble.empty()) return failed(trouble, inliers);
+  iterate(frame, a.levels[0], b.levels[0], e, 2, true);
+  return measured(frame, a.levels[0], e, inliers);
+}
+
+PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b,
+                           const std::function<void(Linearization&)>& place) {
+  constexpr int kMatchIterations = 3;
+  const MotionFrame frame(size);
+  Estimate e;
   e.match = unmatched(a);
-  return judged(a, b, iterate(a, b, e, 3, false));
+  iterate(frame, a, b, e, kMatchIterations, false);
+  if (!e.enough) return failed("too few pixels in common");
+  place(e.at);
+  const Evidence evidence(frame, e.at, e.match);
+  e.model = cheapest(evidence.costs(e.motion, kAliasing * a.cell));
+  e.step = evidence.step(e.model);
+  const auto [inliers, trouble] = agreement_of(a, b, e.motion);
+  return trouble.empty() ? measured(frame, a, e, inliers) : failed(trouble, inliers);
+}
+
+PairMotion assess_shift(const Pyramid& a, const Pyramid& b, const Vec2& b_from_a) {
+  const MotionFrame frame(a.size);
+  Estimate e;
+  e.motion = shift_by(b_from_a);
+  e.match = unmatched(a.levels[0]);
+  iterate(frame, a.levels[0], b.levels[0], e, 3, false);
+  if (!e.enough) return failed("too few pixels in common");
+  const double inliers = agreement(a.levels[0], b.levels[0], e.motion).value_or(0);
+  if (const std::string why = no_better_than_still(frame, a.levels[0], b.levels[0], e); !why.empty()) {
+    return failed(why, inliers);
+  }
+  const Mat2 covariance = e.step.covariance.topLeftCorner<2, 2>();
+  if (!(std::sqrt(covariance.trace()) < kLargestError * a.levels[0].cell)) {
+    return failed("its content does not fix the motion", inliers);
+  }
+  PairMotion motion = shift_motion(a.size, b_from_a, covariance);
+  motion.inliers = inliers;
+  return motion;
 }
 
 }  // namespace hdr::internal

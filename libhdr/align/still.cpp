@@ -1,6 +1,7 @@
 #include "libhdr/align/internal/still.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hdr::internal {
 namespace {
@@ -20,24 +21,42 @@ LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer) {
 }
 
 StillProbe still_probe(const Photo& photo, const Linearizer& linearizer) {
-  StillProbe probe{thumbnail(photo, linearizer), {}};
+  StillProbe probe{photo.size(), thumbnail(photo, linearizer), {}};
   if (std::min(photo.width(), photo.height()) >= kTileSide) {
     probe.tiles = smoothed(tile_picture(photo, linearizer, 1, kTiles, kTileSide), 2);
   }
   return probe;
 }
 
+namespace {
+
+/// Tiles of the mosaic know where they were cut from the photograph.
+void place_tiles(Linearization& at, Size photo) {
+  for (TileSums& tile : at.tiles) {
+    const Vec2 in_mosaic = tile.middle + Vec2(0.5, 0.5);
+    const Vec2 index = (in_mosaic / kTileSide).array().floor();
+    const Vec2 corner(std::floor((index.x() + 0.5) / kTiles * (photo.width - kTileSide)),
+                      std::floor((index.y() + 0.5) / kTiles * (photo.height - kTileSide)));
+    tile.middle += corner - index * kTileSide;
+  }
+}
+
+}  // namespace
+
 std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b) {
   const std::vector<Vec2> far = search_shifts(a.thumbnail, b.thumbnail, kSearchRadius, 1);
   if (far.empty() || far[0].cwiseAbs().maxCoeff() > 0.5 * a.thumbnail.cell) return std::nullopt;
-  const Vec2 unmoved = Vec2::Zero();
-  const PairMotion near = refine_shift({&a.tiles, 1}, {&b.tiles, 1}, {&unmoved, 1});
-  if (!near.trouble.empty() || !bracket_lies_still(near.b_from_a.norm())) return std::nullopt;
+  if (a.tiles.ln.empty()) return std::nullopt;
+  PairMotion near = refine_in_place(a.size, a.tiles, b.tiles, [&](Linearization& at) { place_tiles(at, a.size); });
+  const MotionFrame frame(a.size);
+  if (!near.trouble.empty() || !bracket_lies_still(frame.farthest_between(near.b_from_a, Mat3::Identity()))) {
+    return std::nullopt;
+  }
   return near;
 }
 
-bool lies_still(const Vec2& shift, double error_px) {
-  return shift.norm() < kStillPx && shift.norm() < 3 * error_px + kBiasPx;
+bool lies_still(double moved_px, double error_px) {
+  return moved_px < kStillPx && moved_px < 3 * error_px + kBiasPx;
 }
 
 bool bracket_lies_still(double farthest_px) {

@@ -260,7 +260,8 @@ void answer_alignment(Run& run, const Bracket& bracket, const Alignment& alignme
     const FrameAlignment& frame = alignment.frames[shot];
     Json row = {{"path", bracket.shots[shot].path.string()},
                 {"ref_from_photo", flat(frame.ref_from_photo)},
-                {"residual_px", frame.residual_px}};
+                {"residual_px", frame.residual_px},
+                {"inliers", frame.inliers}};
     if (!frame.skipped.empty()) row["skipped"] = frame.skipped;
     frames.push_back(std::move(row));
     run.say(fmt::format("{}: moved {:+.2f} {:+.2f} px, within {:.2f} px{}",
@@ -290,7 +291,8 @@ void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged) {
                 {"seconds", *bracket.shots[shot].exposure.seconds},
                 {"used", used.used},
                 {"ref_from_photo", flat(aligned.ref_from_photo)},
-                {"residual_px", aligned.residual_px}};
+                {"residual_px", aligned.residual_px},
+                {"inliers", aligned.inliers}};
     if (!used.skipped.empty()) row["skipped"] = used.skipped;
     if (!aligned.skipped.empty()) row["registration"] = aligned.skipped;
     frames.push_back(std::move(row));

@@ -1,48 +1,84 @@
 #pragma once
-// The motion between two neighbours of a bracket, as each method reports it.
+// The motion between two shots of a bracket, as each method reports it.
+#include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "libhdr/align/internal/evidence.h"
 #include "libhdr/align/internal/log_picture.h"
+#include "libhdr/align/internal/motion.h"
 #include "libhdr/core/vec.h"
 
 namespace hdr::internal {
 
 using Mat2 = Eigen::Matrix2d;
 
-/// p_b = p_a + b_from_a, in photograph pixels.
-struct PairMotion {
-  Vec2 b_from_a = Vec2::Zero();
-  Mat2 covariance = Mat2::Zero();  ///< of b_from_a
-  std::string trouble;             ///< why the motion could not be measured (b_from_a is then 0); else empty
-
-  double error_px() const { return std::sqrt(covariance.trace()); }
+/// p_b = b_from_a p_a, in photograph pixels. A measurement under one motion model: b_from_a motion(step), with the
+/// covariance of step.
+struct Measurement {
+  MotionVector step = MotionVector::Zero();
+  MotionMatrix covariance = MotionMatrix::Zero();
 };
 
-inline PairMotion failed(const std::string& why) {
+struct PairMotion {
+  Mat3 b_from_a = Mat3::Identity();
+  MotionModel model = MotionModel::kTranslation;    ///< of b_from_a
+  MotionModel richest = MotionModel::kTranslation;  ///< the last model with a measurement
+  std::array<Measurement, kMotionModels.size()> measured{};
+  std::array<double, kMotionModels.size()> costs{};  ///< Evidence::costs
+  Vec2 middle = Vec2::Zero();                        ///< of what was compared, pixels of a
+  double inliers = 0;                                ///< share of the textured tiles that agree with the motion
+  std::string trouble;  ///< why the motion could not be measured (b_from_a is then the identity); else empty
+};
+
+inline PairMotion failed(const std::string& why, double inliers = 0) {
   PairMotion motion;
   motion.trouble = why;
+  motion.inliers = inliers;
   return motion;
 }
+
+/// A shift with its covariance, of pictures of this size, as methods report it that know no other motion.
+PairMotion shift_motion(Size size, const Vec2& shift, const Mat2& covariance);
+
+/// One shot at every scale that Gauss-Newton visits, the finest first, and the photograph's size.
+struct Pyramid {
+  Size size;
+  std::vector<LogPicture> levels;
+  std::size_t coarse() const { return levels.size() > 1 ? 1 : 0; }  ///< where rivals are told apart, for less work
+};
 
 /// search.cpp: the shifts (in photograph pixels) at which two small pictures correlate best, the best first, every
 /// whole shift within `radius` of their pixels tried. Empty: too little in common.
 std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most);
 
-/// refine.cpp: coarse to fine from the best of `starts`, on pyramids whose first level is the finest.
-PairMotion refine_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, std::span<const Vec2> starts);
+/// refine.cpp: coarse to fine from the best of `starts`; the model grows as the pictures support it.
+PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat3> starts);
+
+/// refine.cpp: at the finest level only, from a motion that is nearly right.
+PairMotion polish_motion(const Pyramid& a, const Pyramid& b, const Mat3& start, MotionModel model);
+
+/// refine.cpp: from no motion at all, linearised once the photometric match is known; `place` tells the tiles where in
+/// the photograph they lie.
+PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b,
+                           const std::function<void(Linearization&)>& place);
 
 /// refine.cpp: the error of a shift found by other means, and whether it explains the pictures better than none does.
-PairMotion assess_shift(const LogPicture& a, const LogPicture& b, const Vec2& b_from_a);
+PairMotion assess_shift(const Pyramid& a, const Pyramid& b, const Vec2& b_from_a);
+
+/// agreement.cpp: of the tiles in which both pictures show texture above their noise, the share whose gradients
+/// correlate under the motion; where they are few, the correlation of all that is in common. nullopt: no texture there.
+std::optional<double> agreement(const LogPicture& a, const LogPicture& b, const Mat3& b_from_a);
 
 /// ecc.cpp: coarse to fine from `start` with OpenCV's findTransformECC.
-PairMotion ecc_shift(std::span<const LogPicture> a, std::span<const LogPicture> b, const Vec2& start);
+PairMotion ecc_shift(const Pyramid& a, const Pyramid& b, const Vec2& start);
 
 /// mtb.cpp: on the codes themselves; no response is needed.
 PairMotion mtb_shift(const Photo& a, const Photo& b);
 
-/// features.cpp
-PairMotion feature_shift(const LogPicture& a, const LogPicture& b);
+/// features.cpp: a rigid motion, whatever its size.
+PairMotion feature_motion(const Pyramid& a, const Pyramid& b);
 
 }  // namespace hdr::internal

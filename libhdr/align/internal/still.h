@@ -14,13 +14,14 @@ inline constexpr int kSearchRadius = 10;  ///< pixels of the thumbnail: 5 to 10 
 /// The motion of a pair that seems to lie still: its thumbnails correlate best unmoved, and tiles at full resolution
 /// measure a small motion. nullopt: it has moved, or this cannot tell.
 struct StillProbe {
+  Size size;  ///< of the photograph
   LogPicture thumbnail, tiles;
 };
 StillProbe still_probe(const Photo& photo, const Linearizer& linearizer);
 std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b);
 
-/// A shift this small and this uncertain is no evidence of motion.
-bool lies_still(const Vec2& shift, double error_px);
+/// A motion this small (anywhere in the picture) and this uncertain is no evidence of motion.
+bool lies_still(double moved_px, double error_px);
 
 /// A bracket registered to whole pixels (scanned film, a tripod that gave a little): no shot is farther off than this.
 /// Bilinear resampling by a fraction f of a pixel blurs by f (1 - f) / 2 of the second difference, in every shot but

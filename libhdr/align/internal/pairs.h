@@ -1,0 +1,27 @@
+#pragma once
+// Which shots are compared, and how: neighbours in exposure order, and those one apart, which close the loops.
+#include <optional>
+#include <vector>
+
+#include "libhdr/align/align.h"
+#include "libhdr/align/internal/pair.h"
+
+namespace hdr::internal {
+
+/// a and b are indices into `used`.
+struct MeasuredPair {
+  int a = 0, b = 0;
+  PairMotion motion;
+  bool good() const { return motion.trouble.empty(); }
+};
+
+/// Motions of neighbours, and where the method measures more than whole pixels of those one apart, among the shots
+/// `used`. A few shots in memory at a time.
+std::vector<MeasuredPair> measure_pairs(const Bracket& bracket, const std::vector<int>& used,
+                                        const Linearizer& linearizer, AlignMethod method);
+
+/// The cheap question first: motions of neighbours, or nullopt as soon as one pair has moved.
+std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, const std::vector<int>& used,
+                                                     const Linearizer& linearizer);
+
+}  // namespace hdr::internal

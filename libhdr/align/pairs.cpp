@@ -1,0 +1,133 @@
+#include "libhdr/align/internal/pairs.h"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+#include "libhdr/align/internal/still.h"
+#include "libhdr/core/parallel.h"
+#include "libhdr/core/rows.h"
+
+namespace hdr::internal {
+namespace {
+
+constexpr double kFinestPixels = 1.2e6;  // pixels of the finest level: more would not find the motion better
+constexpr int kCoarsestSide = 40;
+
+Pyramid pyramid_of(const Photo& photo, const Linearizer& linearizer) {
+  int cell = 1;
+  while (static_cast<double>(photo.width() / cell) * (photo.height() / cell) > kFinestPixels) cell *= 2;
+  Pyramid pyramid{photo.size(), {}};
+  LogPicture sharp = log_picture(photo, linearizer, cell, 1);
+  while (true) {
+    pyramid.levels.push_back(smoothed(sharp, 2));
+    if (std::min(sharp.ln.width(), sharp.ln.height()) < 2 * kCoarsestSide) return pyramid;
+    sharp = halved(sharp);
+  }
+}
+
+/// What one shot is remembered by while its neighbours are visited.
+struct Prepared {
+  std::optional<LoadedShot> shot;  ///< for median threshold bitmaps alone
+  LogPicture thumbnail;
+  Pyramid pyramid;
+};
+
+Prepared prepare(const Photo& photo, const Linearizer& linearizer, AlignMethod method) {
+  LoadedShot shot(photo);
+  if (method == AlignMethod::kMtb) return {std::move(shot), {}, {}};
+  return {std::nullopt, thumbnail(*shot, linearizer), pyramid_of(*shot, linearizer)};
+}
+
+/// make(shot) for each of `used`, up to `ahead` of them side by side, since a shot may have to be decoded for it; and
+/// visit(made) one by one in their order, until it returns false.
+template <class Make, class Visit>
+void visit_in_order(const std::vector<int>& used, std::size_t ahead, const Make& make, const Visit& visit) {
+  for (std::size_t begin = 0; begin < used.size(); begin += ahead) {
+    std::vector<std::invoke_result_t<Make, int>> made(std::min(ahead, used.size() - begin));
+    for_rows(static_cast<int>(made.size()), 1, [&](int first, int) {
+      const auto i = static_cast<std::size_t>(first);
+      made[i] = make(used[begin + i]);
+    });
+    for (auto& each : made) {
+      if (!visit(std::move(each))) return;
+    }
+  }
+}
+
+PairMotion measure(const Prepared& a, const Prepared& b, AlignMethod method) {
+  if (method == AlignMethod::kMtb) return mtb_shift(**a.shot, **b.shot);
+  if (method == AlignMethod::kFeatures) return feature_motion(a.pyramid, b.pyramid);
+  // Where the thumbnails correlate; or else where they were.
+  constexpr std::size_t kMostStarts = 5;
+  std::vector<Vec2> shifts = search_shifts(a.thumbnail, b.thumbnail, kSearchRadius, kMostStarts);
+  shifts.emplace_back(0, 0);
+  if (method == AlignMethod::kEcc) return ecc_shift(a.pyramid, b.pyramid, shifts.front());
+  std::vector<Mat3> starts;
+  for (const Vec2& shift : shifts) starts.push_back(shift_by(shift));
+  PairMotion motion = refine_motion(a.pyramid, b.pyramid, starts);
+  if (motion.trouble.empty()) return motion;
+  // A second start, from what has corners: farther away, or turned.
+  const PairMotion features = feature_motion(a.pyramid, b.pyramid);
+  if (!features.trouble.empty()) return motion;
+  const PairMotion second = refine_motion(a.pyramid, b.pyramid, {&features.b_from_a, 1});
+  return second.trouble.empty() ? second : motion;
+}
+
+/// The shots over the last but one: the motion that its neighbours promise, made better, or a new search.
+PairMotion measure_over(const Prepared& a, const Prepared& c, const PairMotion& ab, const PairMotion& bc,
+                        AlignMethod method) {
+  if (method != AlignMethod::kAuto || !ab.trouble.empty() || !bc.trouble.empty()) return measure(a, c, method);
+  return polish_motion(a.pyramid, c.pyramid, bc.b_from_a * ab.b_from_a, std::max(ab.model, bc.model));
+}
+
+}  // namespace
+
+std::vector<MeasuredPair> measure_pairs(const Bracket& bracket, const std::vector<int>& used,
+                                        const Linearizer& linearizer, AlignMethod method) {
+  std::vector<MeasuredPair> pairs;
+  std::vector<Prepared> window;  // the last two
+  PairMotion last;
+  const bool close_loops = method != AlignMethod::kMtb;
+  int k = 0;
+  const auto make = [&](int shot) {
+    return prepare(bracket.shots[static_cast<std::size_t>(shot)], linearizer, method);
+  };
+  visit_in_order(used, close_loops ? 2 : 1, make, [&](Prepared next) {
+    if (!window.empty()) {
+      const PairMotion motion = measure(window.back(), next, method);
+      pairs.push_back({k - 1, k, motion});
+      if (window.size() > 1 && close_loops) {
+        pairs.push_back({k - 2, k, measure_over(window.front(), next, last, motion, method)});
+      }
+      last = motion;
+    }
+    window.push_back(std::move(next));
+    if (window.size() > (close_loops ? 2 : 1)) window.erase(window.begin());
+    ++k;
+    return true;
+  });
+  return pairs;
+}
+
+std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, const std::vector<int>& used,
+                                                     const Linearizer& linearizer) {
+  std::vector<MeasuredPair> pairs;
+  std::optional<StillProbe> previous;
+  const auto make = [&](int shot) {
+    return still_probe(*LoadedShot(bracket.shots[static_cast<std::size_t>(shot)]), linearizer);
+  };
+  bool moved = false;
+  int k = 0;
+  visit_in_order(used, 2, make, [&](StillProbe next) {
+    const std::optional<PairMotion> motion = previous ? still_motion(*previous, next) : std::nullopt;
+    moved = previous && !motion;
+    if (motion) pairs.push_back({k - 1, k, *motion});
+    previous = std::move(next);
+    ++k;
+    return !moved;
+  });
+  return moved ? std::nullopt : std::optional(std::move(pairs));
+}
+
+}  // namespace hdr::internal
