@@ -6,7 +6,7 @@
 //   const auto calibration = hdr::calibrate_debevec_malik(shots, alignment.ref_from_photo());
 //   const auto merged      = hdr::merge(shots, alignment, calibration.response);
 //   const auto ball        = hdr::find_ball(merged.map.rgb);
-//   const auto probe       = hdr::unwrap(merged.map, hdr::MirrorBall{ball.value().disc}, hdr::LatLong{{2048, 1024}}, {2048, 1024});
+//   const auto probe       = hdr::unwrap(merged.map, ball.value().ball, hdr::LatLong{{2048, 1024}}, {2048, 1024});
 //   hdr::write_map("probe.exr", probe);
 //   const auto sh          = hdr::project(probe.rgb, hdr::LatLong{probe.size()}, 2);
 //   const auto light       = hdr::Environment::from_probe(probe, hdr::LatLong{probe.size()});
@@ -48,6 +48,8 @@
 #include "libhdr/probe/find_ball.h"   // where the mirror ball is
 #include "libhdr/probe/find_image_circle.h"  // where a fisheye's picture ends
 #include "libhdr/probe/photograph.h"  // what a camera sees in an environment
+#include "libhdr/probe/photographer.h"  // and who stands behind it
+#include "libhdr/probe/reflectance.h"  // what a mirror ball does not give back
 #include "libhdr/probe/projection.h"  // pixels <-> directions
 #include "libhdr/probe/unwrap.h"      // from one projection to another
 

@@ -11,7 +11,7 @@ int main(int argc, char** argv) try {
   if (argc == 6) {
     ball.disc = {std::stod(argv[3]), std::stod(argv[4]), std::stod(argv[5])};
   } else if (const auto found = hdr::find_ball(picture.rgb)) {
-    ball.disc = found->disc;
+    ball = found->ball;
   } else {
     throw hdr::Error(std::string(argv[1]) + ": no mirror ball found; pass CX CY R");
   }

@@ -13,8 +13,8 @@ int main(int argc, char** argv) try {
   const auto ball = hdr::find_ball(merged.map.rgb);
   if (!ball) throw hdr::Error("no mirror ball found in the shots");
   const hdr::Size size{1024, 512};
-  hdr::write_map(argv[1], hdr::unwrap(merged.map, hdr::MirrorBall{ball->disc}, hdr::LatLong{size}, size));
-  std::cout << "ball at " << ball->disc.cx << ", " << ball->disc.cy << ", radius " << ball->disc.r << " px; "
+  hdr::write_map(argv[1], hdr::unwrap(merged.map, ball->ball, hdr::LatLong{size}, size));
+  std::cout << "ball at " << ball->ball.disc.cx << ", " << ball->ball.disc.cy << ", radius " << ball->ball.disc.r << " px; "
             << "response fitted to " << calibration.rms_log_error << " (ln)\n";
 } catch (const hdr::Error& error) {
   std::cerr << error.what() << '\n';

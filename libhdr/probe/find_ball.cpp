@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/ball_camera.h"
 #include "libhdr/probe/internal/circle_votes.h"
 #include "libhdr/probe/internal/luminance.h"
 #include "libhdr/probe/internal/outline.h"
@@ -65,57 +67,124 @@ double noise_of(const Image<float>& picture) {
   return second.empty() ? kLeast : std::max(kLeast, 1.4826 * static_cast<double>(median(second)) / std::sqrt(6.0));
 }
 
-Disc scaled(const Disc& disc, double scale) {
-  return {scale * disc.cx, scale * disc.cy, scale * disc.r};
+using internal::Ellipse;
+using internal::OutlineFit;
+
+Ellipse scaled(const Ellipse& outline, double scale) {
+  return {scale * outline.centre, outline.along, scale * outline.major, scale * outline.minor};
 }
 
-internal::OutlineFit best_circle(const Image<float>& luminance) {
+/// The ellipse that this circle's ball may have: it points at the picture's middle.
+Ellipse pointing_at_middle(const Ellipse& outline, Size size) {
+  const Vec2 out = outline.centre - Vec2(0.5 * size.width, 0.5 * size.height);
+  Ellipse result = outline;
+  if (out.norm() > 1e-6) result.along = out.normalized();
+  return result;
+}
+
+OutlineFit best_circle(const Image<float>& luminance) {
   const double side = std::min(luminance.width(), luminance.height());
   const auto circles = internal::vote_for_circles(logarithm(luminance), std::max(8.0, kLeastRadius * side),
                                                   kMostRadius * side, kCandidates);
   const internal::OutlineModel model(
       {.radii = 96, .half_window_px = 5, .range_px = 4, .step_px = 0.5, .noise = noise_of(luminance)});
-  std::vector<internal::OutlineFit> fits(circles.size());
+  std::vector<OutlineFit> fits(circles.size());
   for_rows(static_cast<int>(circles.size()), 1, [&](int k, int) {
-    fits[static_cast<std::size_t>(k)] = model.fit(luminance, circles[static_cast<std::size_t>(k)]);
+    const Disc& disc = circles[static_cast<std::size_t>(k)];
+    fits[static_cast<std::size_t>(k)] = model.fit(luminance, {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r});
   });
-  internal::OutlineFit best;
-  for (const internal::OutlineFit& fit : fits) {
+  OutlineFit best;
+  for (const OutlineFit& fit : fits) {
     if (fit.in_frame >= kLeastInFrame && fit.evidence > best.evidence) best = fit;
   }
   return best;
 }
 
-/// The circle near a guess: first within a few pixels, then close by with short profiles, in which what lies deeper in
-/// the ball has no say.
-internal::OutlineFit placed(const Image<float>& luminance, const Disc& guess) {
-  const double noise = noise_of(luminance);
-  const internal::OutlineModel wide(
-      {.radii = 360, .half_window_px = 7, .range_px = 3, .step_px = 0.125, .noise = noise});
-  const internal::OutlineModel narrow(
-      {.radii = 360, .half_window_px = 5, .range_px = 1.5, .step_px = 0.125, .noise = noise});
-  return narrow.fit(luminance, wide.fit(luminance, guess).disc);
+/// Places an outline in one level of the pyramid.
+class Placing {
+ public:
+  Placing(const Image<float>& luminance, const FindBallOptions& options)
+      : Placing(luminance, options, noise_of(luminance)) {}
+
+  /// The outline near a guess. A circle, unless an ellipse has clearly more evidence.
+  OutlineFit operator()(const Ellipse& guess) const {
+    if (options_.fov_degrees) {
+      const OutlineFit fit = wide_.fit(luminance_, with_known_field(guess));
+      return close_.fit(luminance_, with_known_field(fit.outline));
+    }
+    const double radius = 0.5 * (guess.major + guess.minor);
+    const OutlineFit round = placed({guess.centre, guess.along, radius, radius}, false);
+    if (most_elongation(guess) < kLeastElongation) return round;
+    const OutlineFit longer = placed(pointing_at_middle(guess, luminance_.size()), true);
+    const double gain = longer.evidence * longer.radii - round.evidence * round.radii;
+    const bool longer_outwards = longer.outline.major > longer.outline.minor;
+    return longer_outwards && gain > kLeastGain ? longer : round;
+  }
+
+ private:
+  Placing(const Image<float>& luminance, const FindBallOptions& options, double noise)
+      : luminance_(luminance),
+        options_(options),
+        wide_({.radii = 360, .half_window_px = 7, .range_px = 3, .step_px = 0.125, .noise = noise}),
+        close_({.radii = 360, .half_window_px = 5, .range_px = 1.5, .step_px = 0.125, .noise = noise}) {}
+
+  /// First within a few pixels, then close by with short profiles, in which what lies deeper in the ball has no say.
+  OutlineFit placed(const Ellipse& guess, bool elongates) const {
+    return close_.fit(luminance_, wide_.fit(luminance_, guess, elongates).outline, elongates);
+  }
+
+  static constexpr double kLeastElongation = 0.3;  ///< pixels by which an ellipse differs from a circle
+  static constexpr double kLeastGain = 30;         ///< ln likelihood over all radii
+
+  Ellipse with_known_field(const Ellipse& guess) const {
+    const Disc disc{guess.centre.x(), guess.centre.y(), guess.minor};
+    return internal::outline_of(ball_in_photograph(disc, luminance_.size(), *options_.fov_degrees));
+  }
+
+  /// What a wide-angle lens makes of a ball there, pixels: half the square of the angle off its axis.
+  double most_elongation(const Ellipse& guess) const {
+    constexpr double kWidest = 110;  // degrees of horizontal field
+    const double focal = 0.5 * luminance_.width() / std::tan(0.5 * kWidest * kDegree);
+    const Vec2 middle(0.5 * luminance_.width(), 0.5 * luminance_.height());
+    return 0.5 * guess.minor * (guess.centre - middle).squaredNorm() / (focal * focal);
+  }
+
+  const Image<float>& luminance_;
+  const FindBallOptions& options_;
+  internal::OutlineModel wide_, close_;
+};
+
+MirrorBall ball_of(const Ellipse& outline, Size size, const FindBallOptions& options) {
+  const MirrorBall far{{outline.centre.x(), outline.centre.y(), outline.minor}};
+  if (options.fov_degrees) return ball_in_photograph(far.disc, size, *options.fov_degrees);
+  if (outline.major <= outline.minor) return far;
+  const Vec2 middle(0.5 * size.width, 0.5 * size.height);
+  return internal::ball_from_elongation(far.disc, middle, outline.major / outline.minor).value_or(far);
 }
 
 }  // namespace
 
-std::optional<FoundBall> find_ball(View<const float> rgb) {
+std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options) {
   constexpr int kLeastSide = 32;
   if (rgb.channels() < 3 || std::min(rgb.width(), rgb.height()) < kLeastSide) return std::nullopt;
   const std::vector<Image<float>> levels = internal::halvings(raised_luminance(rgb), kCoarseSide, kLeastSide);
 
   // In the coarsest picture: the circle with the most evidence of all that the edges vote for.
-  const internal::OutlineFit coarse = best_circle(levels.back());
+  const OutlineFit coarse = best_circle(levels.back());
   if (coarse.evidence < kLeastEvidence || coarse.support < kLeastSupport) return std::nullopt;
 
-  // From level to level the circle is placed more finely, as long as the outline is sharp enough to show there.
+  // From level to level the outline is placed more finely, as long as it is sharp enough to show there.
   double scale = std::exp2(static_cast<double>(levels.size()) - 1);
-  FoundBall best{scaled(coarse.disc, scale), coarse.support, scale * coarse.residual_px};
+  Ellipse outline = scaled(coarse.outline, scale);
+  FoundBall best{{}, coarse.support, scale * coarse.residual_px};
   for (auto level = levels.rbegin(); level < levels.rend(); ++level, scale *= 0.5) {
-    const internal::OutlineFit fit = placed(*level, scaled(best.disc, 1 / scale));
+    const OutlineFit fit = Placing(*level, options)(scaled(outline, 1 / scale));
     if (fit.evidence < kBlurred * coarse.evidence) break;
-    best = {scaled(fit.disc, scale), fit.support, scale * fit.residual_px};
+    outline = scaled(fit.outline, scale);
+    best.support = fit.support;
+    best.residual_px = scale * fit.residual_px;
   }
+  best.ball = ball_of(outline, rgb.size(), options);
   return best;
 }
 

@@ -6,6 +6,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/ball_camera.h"
 #include "libhdr/probe/projection.h"
 
 namespace hdr {
@@ -17,10 +18,12 @@ double far_radius(double sin_theta, double cos_theta) {
   return cos_theta > 0 ? sin_theta / std::sqrt(2 * (1 + cos_theta)) : std::sqrt(0.5 * (1 - cos_theta));
 }
 
+}  // namespace
+
 /// Angle psi of the normal at which the ball shows a camera at D the direction at angle theta:
 ///   theta = 2 psi + atan2(sin psi, D - cos psi),
 /// which rises on [0, acos(1/D)]. Newton's steps, kept inside a bracket that bisection shrinks.
-double normal_angle(double theta, double d) {
+double internal::normal_angle(double theta, double d) {
   constexpr int kMostSteps = 60;
   constexpr double kTolerance = 1e-13;
   const double psi_rim = std::acos(1 / d);
@@ -40,11 +43,13 @@ double normal_angle(double theta, double d) {
   return psi;
 }
 
+namespace {
+
 /// Disc radius at which a camera at D sees the direction at angle theta; nullopt in the cone that the ball hides.
 std::optional<double> near_radius(double theta, double d) {
   constexpr double kRounding = 1e-14;
   if (theta > kPi - std::asin(1 / d) + kRounding) return std::nullopt;
-  const double psi = normal_angle(theta, d);
+  const double psi = internal::normal_angle(theta, d);
   return std::min(1.0, std::sin(psi) / (d - std::cos(psi)) * std::sqrt(d * d - 1));
 }
 
@@ -52,10 +57,34 @@ void require_outside(double d) {
   if (!(d > 1)) throw Error("mirror-ball: the camera is inside the ball; give a distance above 1 radius");
 }
 
+/// Where a ray meets the ball whose centre lies at D b: with c = v.b, at D c - h along v, h the root of
+/// 1 - D^2 |v x b|^2, which is also the cosine of incidence. nullopt when it passes the ball.
+struct Meeting {
+  Vec3 ray, normal;
+  double cosine;
+};
+
+std::optional<Meeting> meeting(const internal::BallCamera& camera, const Vec2& px) {
+  const Vec3 v = camera.ray(px), &b = camera.to_ball;
+  const double h2 = 1 - camera.distance * camera.distance * v.cross(b).squaredNorm();
+  if (h2 < 0 || v.dot(b) < 0) return std::nullopt;
+  const double h = std::sqrt(h2);
+  return Meeting{v, camera.distance * v.cross(v.cross(b)) - h * v, h};
+}
+
+bool beside_axis(const MirrorBall& ball) {
+  return ball.principal && std::isfinite(ball.distance);
+}
+
 }  // namespace
 
 std::optional<Vec3> MirrorBall::dir_from_px(const Vec2& px) const {
   require_outside(distance);
+  if (beside_axis(*this)) {
+    const auto met = meeting(internal::camera_of(*this), px);
+    if (!met) return std::nullopt;
+    return (met->ray + 2 * met->cosine * met->normal).normalized();
+  }
   const double x = (px.x() - disc.cx) / disc.r;
   const double y = -(px.y() - disc.cy) / disc.r;
   const double radius2 = x * x + y * y;
@@ -71,15 +100,55 @@ std::optional<Vec3> MirrorBall::dir_from_px(const Vec2& px) const {
   return (v - 2 * n.dot(v) * n).normalized();
 }
 
+namespace {
+
+/// The normal lies between the direction and the one to the camera; its point on the ball goes through the camera.
+std::optional<Vec2> px_beside_axis(const MirrorBall& ball, const Vec3& dir) {
+  constexpr double kRounding = 1e-14;
+  const internal::BallCamera camera = internal::camera_of(ball);
+  const Vec3 to_camera = -camera.to_ball;
+  const Vec3 across = dir - dir.dot(to_camera) * to_camera;
+  const double sin_theta = across.norm();
+  const double theta = std::atan2(sin_theta, dir.dot(to_camera));
+  if (theta > kPi - std::asin(1 / camera.distance) + kRounding) return std::nullopt;
+  const double psi = internal::normal_angle(theta, camera.distance);
+  // Behind the ball every way round is as good.
+  const Vec3 side = sin_theta > 1e-12 ? Vec3(across / sin_theta) : to_camera.unitOrthogonal();
+  const Vec3 point = camera.distance * camera.to_ball + std::cos(psi) * to_camera + std::sin(psi) * side;
+  return Vec2(camera.principal.x() + camera.focal_px * point.x() / -point.z(),
+              camera.principal.y() - camera.focal_px * point.y() / -point.z());
+}
+
+}  // namespace
+
 /// For a far camera -Z is the whole rim; its rightmost point stands for it.
 std::optional<Vec2> MirrorBall::px_from_dir(const Vec3& dir) const {
   require_outside(distance);
+  if (beside_axis(*this)) return px_beside_axis(*this, dir);
   const double sin_theta = std::sqrt(dir.x() * dir.x() + dir.y() * dir.y());
   const auto radius = std::isinf(distance) ? std::optional(far_radius(sin_theta, dir.z()))
                                            : near_radius(std::atan2(sin_theta, dir.z()), distance);
   if (!radius) return std::nullopt;
   if (sin_theta == 0) return Vec2(disc.cx + disc.r * *radius, disc.cy);
   return Vec2(disc.cx + disc.r * *radius * dir.x() / sin_theta, disc.cy - disc.r * *radius * dir.y() / sin_theta);
+}
+
+MirrorBall ball_in_photograph(const Disc& disc, Size size, double fov_degrees) {
+  require_valid(Rectilinear{size, fov_degrees});
+  const double focal_px = 0.5 * size.width / std::tan(0.5 * fov_degrees * kDegree);
+  return internal::ball_from_focal(disc, {0.5 * size.width, 0.5 * size.height}, focal_px);
+}
+
+std::optional<double> cos_incidence(const MirrorBall& ball, const Vec2& px) {
+  if (beside_axis(ball)) {
+    const auto met = meeting(internal::camera_of(ball), px);
+    return met ? std::optional(met->cosine) : std::nullopt;
+  }
+  const double radius2 = (px - Vec2(ball.disc.cx, ball.disc.cy)).squaredNorm() / (ball.disc.r * ball.disc.r);
+  if (radius2 > 1) return std::nullopt;
+  // 1 - D^2 |v x b|^2 with v = (x t, y t, -1), t^2 = 1 / (D^2 - 1); far: 1 - radius^2.
+  const double behind = ball.distance * ball.distance - 1;
+  return std::sqrt((1 - radius2) * (std::isinf(behind) ? 1 : behind / (behind + radius2)));
 }
 
 }  // namespace hdr

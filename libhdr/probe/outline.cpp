@@ -100,26 +100,31 @@ std::vector<ProfileLikelihood> other_likelihoods(int half_window, int range) {
   return result;
 }
 
-/// The square root of radiance along a radius, against its mean there, less 1: between radiance, in which a sun's blur
-/// is a blur but the sun is all there is, and its logarithm, in which a blur is a shift.
+using Vec4 = Eigen::Vector4d;
+
+/// The square root of radiance across the outline, against its mean there, less 1: between radiance, in which a sun's
+/// blur is a blur but the sun is all there is, and its logarithm, in which a blur is a shift.
 struct Profile {
-  double cosine, sine;
+  Vec4 shift_from_change;  ///< how far the outline moves outwards here when (cx, cy, both half-axes, the larger) grow
   Eigen::VectorXd values;
   double without_outline = 0;  ///< ln likelihood
 };
 
-/// The profiles around a circle, where the circle lies in the picture. Beyond the frame the last pixels go on.
-std::vector<Profile> read_profiles(View<const float> picture, const Disc& circle, int radii, int half_window) {
+/// The profiles across an outline, where it lies in the picture. Beyond the frame the last pixels go on.
+std::vector<Profile> read_profiles(View<const float> picture, const Ellipse& outline, int radii, int half_window) {
   constexpr double kInside = 2;  // pixels of the outside that must be seen
+  const Vec2 along = outline.along, aside(-along.y(), along.x());
   std::vector<Profile> profiles;
   for (int k = 0; k < radii; ++k) {
-    const double angle = 2 * kPi * k / radii;
-    Profile profile{std::cos(angle), std::sin(angle), Eigen::VectorXd(2 * half_window + 1)};
-    const auto at = [&](double r) { return Vec2(circle.cx + r * profile.cosine, circle.cy + r * profile.sine); };
-    const Vec2 seen = at(circle.r + kInside);
+    const double angle = 2 * kPi * k / radii, c = std::cos(angle), s = std::sin(angle);
+    const Vec2 from_centre = outline.major * c * along + outline.minor * s * aside;
+    const Vec2 normal = (outline.minor * c * along + outline.major * s * aside).normalized();
+    const auto at = [&](double out) { return Vec2(outline.centre + from_centre + out * normal); };
+    const Vec2 seen = at(kInside);
     if (seen.x() < 0 || seen.y() < 0 || seen.x() > picture.width() || seen.y() > picture.height()) continue;
-    for (int i = 0; i < profile.values.size(); ++i)
-      profile.values[i] = bilinear(picture, at(circle.r + i - half_window));
+    const double longer = c * normal.dot(along), growth = longer + s * normal.dot(aside);
+    Profile profile{{normal.x(), normal.y(), growth, longer}, Eigen::VectorXd(2 * half_window + 1)};
+    for (int i = 0; i < profile.values.size(); ++i) profile.values[i] = bilinear(picture, at(i - half_window));
     profile.values = (profile.values.array() / std::max(profile.values.mean(), 1e-30)).sqrt() - 1;
     profiles.push_back(std::move(profile));
   }
@@ -154,7 +159,7 @@ class Evidence {
       : range_(search.range_px), step_(search.step_px) {
     const double floor = search.noise * search.noise;
     for (const Profile& profile : profiles) {
-      Radius radius{profile.cosine, profile.sine, {}};
+      Radius radius{profile.shift_from_change, {}};
       for (const ProfileLikelihood& likelihood : outline) {
         radius.evidence.push_back(likelihood(profile.values, floor) - profile.without_outline);
       }
@@ -164,15 +169,15 @@ class Evidence {
     }
   }
 
-  /// Mean evidence for the guess moved by (dx, dy) and grown by dr.
-  double mean(const Vec3& change) const {
+  /// Mean evidence for the guess changed by (cx, cy, both half-axes, the larger).
+  double mean(const Vec4& change) const {
     double total = 0;
     for (const Radius& radius : radii_) total += at(radius, shift_of(radius, change));
     return radii_.empty() ? 0 : total / static_cast<double>(radii_.size());
   }
 
   /// Fills in what the radii say one by one.
-  void judge(const Vec3& change, OutlineFit& fit) const {
+  void judge(const Vec4& change, OutlineFit& fit) const {
     int supporting = 0;
     double squares = 0;
     for (const Radius& radius : radii_) {
@@ -191,13 +196,11 @@ class Evidence {
 
  private:
   struct Radius {
-    double cosine, sine;
+    Vec4 shift_from_change;
     std::vector<double> evidence;  ///< one a shift
   };
 
-  static double shift_of(const Radius& radius, const Vec3& change) {
-    return change.z() + change.x() * radius.cosine + change.y() * radius.sine;
-  }
+  static double shift_of(const Radius& radius, const Vec4& change) { return radius.shift_from_change.dot(change); }
   double at(const Radius& radius, double shift) const {
     const double position =
         std::clamp((shift + range_) / step_, 0.0, static_cast<double>(radius.evidence.size()) - 1.001);
@@ -211,10 +214,10 @@ class Evidence {
 };
 
 /// Climbs to the change with the most evidence: every combination of a coarse grid, then ever smaller steps.
-Vec3 best_change(const Evidence& evidence, double range) {
-  Vec3 best = Vec3::Zero();
+Vec4 best_change(const Evidence& evidence, double range, bool elongates) {
+  Vec4 best = Vec4::Zero();
   double most = -1e9;
-  const auto consider = [&](const Vec3& change) {
+  const auto consider = [&](const Vec4& change) {
     const double e = evidence.mean(change);
     if (e <= most) return false;
     most = e;
@@ -222,19 +225,24 @@ Vec3 best_change(const Evidence& evidence, double range) {
     return true;
   };
   constexpr double kCoarse = 1;
-  for (double dr = -range; dr <= range; dr += kCoarse) {
-    for (double dx = -range; dx <= range; dx += kCoarse) {
-      for (double dy = -range; dy <= range; dy += kCoarse) {
-        if (std::abs(dr) + std::hypot(dx, dy) <= range) consider({dx, dy, dr});
+  const double longest = elongates ? range : 0;
+  for (double longer = -longest; longer <= longest; longer += 2 * kCoarse) {
+    for (double dr = -range; dr <= range; dr += kCoarse) {
+      for (double dx = -range; dx <= range; dx += kCoarse) {
+        for (double dy = -range; dy <= range; dy += kCoarse) {
+          if (std::abs(dr + 0.5 * longer) + std::hypot(dx, dy) <= range) consider({dx, dy, dr, longer});
+        }
       }
     }
   }
+  const int axes = elongates ? 4 : 3;
   for (double step = 0.5 * kCoarse; step > 0.005; step *= 0.5) {
     for (bool moved = true; moved;) {
       moved = false;
-      for (int axis = 0; axis < 3; ++axis) {
+      for (int axis = 0; axis < axes; ++axis) {
         for (const double sign : {-1.0, 1.0}) {
-          const Vec3 change = best + sign * step * Vec3::Unit(axis);
+          Vec4 change = best + sign * step * Vec4::Unit(axis);
+          if (axis == 3) change[2] -= 0.5 * sign * step;  // longer one way, the other way shorter
           if (change.cwiseAbs().maxCoeff() <= range) moved = consider(change) || moved;
         }
       }
@@ -248,10 +256,12 @@ Vec3 best_change(const Evidence& evidence, double range) {
 OutlineModel::OutlineModel(const OutlineSearch& search)
     : search_(search), tables_(std::make_shared<const Tables>(search)) {}
 
-OutlineFit OutlineModel::fit(View<const float> luminance, const Disc& guess) const {
+OutlineFit OutlineModel::fit(View<const float> luminance, const Ellipse& guess, bool elongates) const {
   std::vector<Profile> profiles = read_profiles(luminance, guess, search_.radii, tables_->half_window);
   OutlineFit fit;
   fit.in_frame = static_cast<double>(profiles.size()) / search_.radii;
+  fit.radii = static_cast<int>(profiles.size());
+  fit.outline = guess;
   if (profiles.empty()) return fit;
   for (Profile& profile : profiles) {
     profile.without_outline = -std::numeric_limits<double>::infinity();
@@ -263,10 +273,11 @@ OutlineFit OutlineModel::fit(View<const float> luminance, const Disc& guess) con
   fit.evidence = -std::numeric_limits<double>::infinity();
   for (const auto& outline : tables_->with) {
     const Evidence evidence(profiles, outline, search_);
-    const Vec3 change = best_change(evidence, search_.range_px);
+    const Vec4 change = best_change(evidence, search_.range_px, elongates);
     if (evidence.mean(change) <= fit.evidence) continue;
     fit.evidence = evidence.mean(change);
-    fit.disc = {guess.cx + change.x(), guess.cy + change.y(), guess.r + change.z()};
+    fit.outline = {guess.centre + change.head<2>(), guess.along, guess.major + change[2] + change[3],
+                   guess.minor + change[2]};
     evidence.judge(change, fit);
   }
   return fit;

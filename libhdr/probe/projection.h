@@ -41,13 +41,25 @@ struct AngularMap {
 /// A mirrored sphere whose outline is `disc`, seen by a camera `distance` ball radii from its centre (infinity: far).
 /// In between, the true ray of the pinhole camera; behind the ball a cone of half-angle asin(1/distance) is unseen.
 /// A distance of 1 or less puts the camera into the ball: Error.
+/// Without a principal point the camera's axis goes through the ball's centre: a crop around the ball. With one, the
+/// axes are the whole picture's (the camera looks along -Z) and a near ball beside it has an ellipse for outline, whose
+/// centre and smaller half-axis are `disc`.
 struct MirrorBall {
   static constexpr const char* kName = "mirror-ball";
   Disc disc;
   double distance = std::numeric_limits<double>::infinity();
+  std::optional<Vec2> principal{};  ///< where the camera's axis meets the picture
   std::optional<Vec3> dir_from_px(const Vec2& px) const;
   std::optional<Vec2> px_from_dir(const Vec3& dir) const;
 };
+
+/// The ball with this outline in a whole photograph of this horizontal field: the principal point is the picture's
+/// middle, and the distance follows. Error for a field outside (0, 180).
+MirrorBall ball_in_photograph(const Disc& disc, Size size, double fov_degrees);
+
+/// The angle between the ray that met the ball at a pixel and the ball's normal there, as its cosine in [0, 1]; nullopt
+/// outside the outline.
+std::optional<double> cos_incidence(const MirrorBall& ball, const Vec2& px);
 
 /// A pinhole camera that looks along +Z.
 struct Rectilinear {

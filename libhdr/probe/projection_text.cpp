@@ -28,8 +28,10 @@ std::string text_of(const AngularMap& map) {
   return AngularMap::kName + (fills_its_square ? std::string() : text_of_disc(map.disc));
 }
 std::string text_of(const MirrorBall& ball) {
-  const std::string far = MirrorBall::kName + text_of_disc(ball.disc);
-  return std::isinf(ball.distance) ? far : far + fmt::format(" distance={}", ball.distance);
+  std::string text = MirrorBall::kName + text_of_disc(ball.disc);
+  if (std::isfinite(ball.distance)) text += fmt::format(" distance={}", ball.distance);
+  if (ball.principal) text += fmt::format(" px={} py={}", ball.principal->x(), ball.principal->y());
+  return text;
 }
 std::string text_of(const Rectilinear& camera) {
   return fmt::format("{} fov={}", Rectilinear::kName, camera.fov_degrees);
@@ -67,8 +69,10 @@ std::optional<Projection> projection_from_parameters(const std::string& name, Pa
   if (name == LatLong::kName || name == "lat-long") return LatLong{size};
   if (name == AngularMap::kName) return AngularMap{take_disc(parameters, size)};
   if (name == MirrorBall::kName) {
-    const Disc disc = take_disc(parameters, size);
-    return MirrorBall{disc, take(parameters, "distance", std::numeric_limits<double>::infinity())};
+    MirrorBall ball{take_disc(parameters, size), take(parameters, "distance", std::numeric_limits<double>::infinity())};
+    if (parameters.contains("px") && parameters.contains("py"))
+      ball.principal = Vec2(take(parameters, "px", 0), take(parameters, "py", 0));
+    return ball;
   }
   if (name == Rectilinear::kName) return Rectilinear{size, take(parameters, "fov", 90)};
   return std::nullopt;

@@ -10,9 +10,10 @@ namespace {
 
 constexpr double kHalfDiagonal = 0.7072;  ///< of a pixel: a centre this far inside the disc has its whole pixel inside
 
-std::optional<Disc> disc_of(const Projection& projection) {
-  if (const auto* map = std::get_if<AngularMap>(&projection)) return map->disc;
-  if (const auto* ball = std::get_if<MirrorBall>(&projection)) return ball->disc;
+std::optional<Ellipse> disc_of(const Projection& projection) {
+  if (const auto* map = std::get_if<AngularMap>(&projection))
+    return Ellipse{{map->disc.cx, map->disc.cy}, {1, 0}, map->disc.r, map->disc.r};
+  if (const auto* ball = std::get_if<MirrorBall>(&projection)) return outline_of(*ball);
   return std::nullopt;
 }
 
@@ -68,23 +69,23 @@ const float* SourcePicture::latlong_pixel(int x, int y) const {
 }
 
 bool SourcePicture::near_rim(const Vec2& px) const {
-  const double reach = disc_->r - kHalfDiagonal - std::numbers::sqrt2;  // within it all four taps are inside
-  return reach <= 0 || (px - Vec2(disc_->cx, disc_->cy)).squaredNorm() > reach * reach;
+  const double reach = disc_->minor - kHalfDiagonal - std::numbers::sqrt2;  // within it all four taps are inside
+  return reach <= 0 || (disc_->squeezed(px) - disc_->centre).squaredNorm() > reach * reach;
 }
 
 bool SourcePicture::in_disc(int x, int y) const {
   if (x < 0 || y < 0 || x >= pixels_.width() || y >= pixels_.height()) return false;
-  const double reach = std::max(0.0, disc_->r - kHalfDiagonal);
-  return (Vec2(x + 0.5, y + 0.5) - Vec2(disc_->cx, disc_->cy)).squaredNorm() <= reach * reach;
+  const double reach = std::max(0.0, disc_->minor - kHalfDiagonal);
+  return (disc_->squeezed({x + 0.5, y + 0.5}) - disc_->centre).squaredNorm() <= reach * reach;
 }
 
 /// The taps whose pixels are wholly inside the disc, their weights brought to 1. A position without such taps moves
 /// towards the centre until it has one.
 void SourcePicture::add_inside_disc(const Vec2& px, double* sum) const {
   constexpr double kLeastWeight = 0.25;
-  const Vec2 centre(disc_->cx, disc_->cy);
+  const Vec2& centre = disc_->centre;
   Vec2 position = px;
-  for (double moved = 0; moved <= disc_->r; moved += 0.5) {
+  for (double moved = 0; moved <= disc_->major; moved += 0.5) {
     const Bilinear taps(position);
     double inside[4], total = 0;
     for (int k = 0; k < 4; ++k) {

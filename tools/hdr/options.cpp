@@ -53,6 +53,12 @@ Size size_from_text(const std::string& text, const std::string& option) {
   return {side(parts[0]), side(parts[1])};
 }
 
+Vec2 vec2_from_text(const std::string& text, const std::string& option) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 2) throw Error(fmt::format("{}: '{}' is not X,Y", option, text));
+  return {number_from_text(parts[0], option), number_from_text(parts[1], option)};
+}
+
 Vec3 vec3_from_text(const std::string& text, const std::string& option) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 3) throw Error(fmt::format("{}: '{}' is not X,Y,Z", option, text));
@@ -196,6 +202,12 @@ void UnwrapFlags::declare(CLI::App& app) {
   app.add_option("--width", width, "width to write, pixels")->check(CLI::Range(1, 65536))->capture_default_str();
   app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")->capture_default_str();
   app.add_option("--distance", distance, "camera to the ball's centre, in ball radii (default: far)");
+  app.add_option(
+      "--camera-fov", camera_fov,
+      "horizontal field of the whole photograph that shows the ball, degrees: gives the distance, and the true "
+      "rays of a ball beside the middle");
+  app.add_option("--reflectance", reflectance,
+                 "R,G,B: the share of light the ball gives back head-on, e.g. 0.55,0.56,0.55 for chrome; divided out");
   app.add_option("--fov", fov,
                  "horizontal field of a rectilinear picture, degrees (default: its hdr:projection's, or 90)");
   app.add_option("--rotate", rotate, "X,Y,Z degrees: d_out = Rz Ry Rx d_in")->capture_default_str();

@@ -20,6 +20,8 @@ namespace hdr::tools {
 std::vector<double> times_from_text(const std::string& text, const std::string& option);
 /// "2000x1500". Throws Error.
 Size size_from_text(const std::string& text, const std::string& option);
+/// "1,2" -> Vec2. Throws Error.
+Vec2 vec2_from_text(const std::string& text, const std::string& option);
 /// "1,2,3" -> Vec3. Throws Error.
 Vec3 vec3_from_text(const std::string& text, const std::string& option);
 
@@ -85,7 +87,8 @@ struct WriteFlags {
 struct UnwrapFlags {
   std::string from, to = "latlong", ball = "auto", rotate = "0,0,0";
   std::optional<double> distance;
-  std::optional<double> fov;
+  std::optional<double> fov, camera_fov;
+  std::string reflectance;
   int width = 2048;
 
   void declare(CLI::App& app);

@@ -12,6 +12,7 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/filter/resize.h"
 #include "libhdr/probe/photograph.h"
+#include "libhdr/probe/photographer.h"
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/probe_input.h"
 #include "tools/hdr/shots_output.h"
@@ -22,6 +23,8 @@ namespace {
 struct Options {
   std::string scene, output, times, size, rotate = "0,0,0", response = "srgb", format = "jpg";
   std::optional<double> fov, distance, ball_radius;
+  std::string ball_at, reflectance;
+  std::optional<double> photographer;
   bool ball = false;
   double level = 0.18, full_well = 30000, read_noise = 5, shift = 0, tilt = 0;
   int depth = 8, quality = 95;
@@ -38,6 +41,12 @@ void declare_options(CLI::App& app, Options& o) {
   app.add_flag("--ball", o.ball, "a mirror ball standing in the lat-long");
   app.add_option("--ball-radius", o.ball_radius, "of its outline, pixels (default: 40 % of the height)");
   app.add_option("--distance", o.distance, "camera to the ball's centre, in ball radii (default: far)");
+  app.add_option("--ball-at", o.ball_at,
+                 "X,Y: its outline's centre, pixels; near balls beside the middle are ellipses (default: the middle)");
+  app.add_option("--reflectance", o.reflectance,
+                 "R,G,B: of the ball, head-on; more towards the rim (default: 1,1,1, a perfect mirror)");
+  app.add_option("--photographer", o.photographer,
+                 "a dark figure of this half-width, degrees, stands behind the camera (default: nobody)");
   app.add_option("--response", o.response, "film, srgb, linear, gamma:2.2 or a response file")->capture_default_str();
   app.add_option("--level", o.level, "the median pixel at the middle time, as a share of full well")
       ->capture_default_str();
@@ -64,6 +73,21 @@ Size shot_size(const Options& o, Size scene) {
   return o.ball || o.fov ? Size{1500, 1000} : scene;
 }
 
+MirrorBall ball_of(const Options& o, Size size) {
+  MirrorBall ball;
+  ball.disc = {0.5 * size.width, 0.5 * size.height, o.ball_radius.value_or(0.4 * std::min(size.width, size.height))};
+  if (!(ball.disc.r > 0)) throw Error("--ball-radius: give a positive number of pixels");
+  if (o.distance) ball.distance = *o.distance;
+  if (!(ball.distance > 1)) throw Error("--distance: the camera must be outside of the ball, more than 1 radius away");
+  if (!o.ball_at.empty()) {
+    const Vec2 place = vec2_from_text(o.ball_at, "--ball-at");
+    ball.disc.cx = place.x();
+    ball.disc.cy = place.y();
+    if (o.distance) ball.principal = Vec2(0.5 * size.width, 0.5 * size.height);
+  }
+  return ball;
+}
+
 /// The picture that the lens throws on the sensor, and the ball's place in it.
 Image<float> sensor_image(const Options& o, const ReadMap& scene, Size size, std::optional<MirrorBall>& ball) {
   const Mat3 scene_from_camera = rotation_from_degrees(vec3_from_text(o.rotate, "--rotate")).transpose();
@@ -74,13 +98,13 @@ Image<float> sensor_image(const Options& o, const ReadMap& scene, Size size, std
     }
   }
   if (o.ball) {
-    ball.emplace();
-    ball->disc = {0.5 * size.width, 0.5 * size.height, o.ball_radius.value_or(0.4 * std::min(size.width, size.height))};
-    if (!(ball->disc.r > 0)) throw Error("--ball-radius: give a positive number of pixels");
-    if (o.distance) ball->distance = *o.distance;
-    if (!(ball->distance > 1))
-      throw Error("--distance: the camera must be outside of the ball, more than 1 radius away");
-    return photograph_ball(scene.map.rgb, size, *ball, o.fov.value_or(35), scene_from_camera);
+    ball = ball_of(o, size);
+    const Rgb reflectance =
+        o.reflectance.empty() ? Rgb::Ones() : Rgb(vec3_from_text(o.reflectance, "--reflectance").array());
+    const Image<float> with_figure =
+        o.photographer ? with_photographer(scene.map.rgb, *o.photographer, scene_from_camera) : Image<float>();
+    return photograph_ball(o.photographer ? with_figure : scene.map.rgb, size, *ball, o.fov.value_or(35),
+                           scene_from_camera, reflectance);
   }
   if (o.fov) {
     if (!(*o.fov > 0 && *o.fov < 180)) throw Error("--fov: give degrees between 0 and 180");
@@ -203,6 +227,7 @@ int simulate(Run& run, const Options& o) {
   if (ball) {
     json["ball"] = {{"cx", ball->disc.cx}, {"cy", ball->disc.cy}, {"r", ball->disc.r}};
     json["ball"]["distance"] = std::isfinite(ball->distance) ? Json(ball->distance) : Json(nullptr);
+    json["ball"]["fov"] = fov_of_camera(*ball, size.width, o.fov.value_or(35));
   }
   output.commit(json);
   run.answer["frames"] = output.rows();

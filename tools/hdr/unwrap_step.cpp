@@ -5,12 +5,14 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/find_ball.h"
+#include "libhdr/probe/reflectance.h"
 #include "libhdr/probe/unwrap.h"
 
 namespace hdr::tools {
 namespace {
 
-Disc ball_disc(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source) {
+/// What --ball says, or the search: with its distance where the picture tells.
+MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source) {
   if (flags.ball != "auto") {
     const Vec3 numbers = vec3_from_text(flags.ball, "--ball");
     if (!(numbers.z() > 0)) throw Error("--ball: the radius must be positive; give CX,CY,R in pixels");
@@ -20,26 +22,45 @@ Disc ball_disc(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, c
         disc.cy - disc.r >= size.height) {
       throw Error(fmt::format("--ball: {} lies outside of the {}x{} picture", flags.ball, size.width, size.height));
     }
-    return disc;
+    if (flags.camera_fov) return ball_in_photograph(disc, size, *flags.camera_fov);
+    return {disc};
   }
-  const auto found = run.stage("find ball", [&] { return find_ball(picture.rgb); });
+  const auto found = run.stage("find ball", [&] { return find_ball(picture.rgb, {flags.camera_fov}); });
   if (!found) throw Error(source + ": no mirror ball found; pass --ball CX,CY,R (pixels, y down)");
   run.answer["ball_support"] = found->support;
   run.answer["ball_residual_px"] = found->residual_px;
-  return found->disc;
+  return found->ball;
 }
 
-/// The geometry that the picture's own tag gives, else --ball or the search.
-MirrorBall ball_projection(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source) {
-  MirrorBall ball;
+/// The geometry that --from or the picture's own tag gives, else --ball or the search.
+MirrorBall ball_projection(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const MirrorBall& named,
+                           const std::string& source) {
+  MirrorBall ball = named;
   const auto tagged = projection_from_text(picture.projection, picture.size());
-  const auto* tag = tagged ? std::get_if<MirrorBall>(&*tagged) : nullptr;
-  if (tag) ball = *tag;
-  if (!tag || flags.ball != "auto") ball.disc = ball_disc(run, picture, flags, source);
+  const bool known =
+      (tagged && std::holds_alternative<MirrorBall>(*tagged)) || flags.from.find('=') != std::string::npos;
+  if (!known || flags.ball != "auto") {
+    ball = ball_outline(run, picture, flags, source);
+    if (known && !flags.camera_fov) ball.distance = named.distance;
+  } else if (flags.camera_fov) {
+    ball = ball_in_photograph(ball.disc, picture.size(), *flags.camera_fov);
+  }
+  if (!flags.reflectance.empty()) require_reflectance(vec3_from_text(flags.reflectance, "--reflectance").array());
   if (flags.distance) ball.distance = *flags.distance;
   if (!(ball.distance > 1))
     throw Error("--distance: the camera must be outside of the ball, more than 1 radius from its centre");
   return ball;
+}
+
+RadianceMap copy_of(const RadianceMap& map) {
+  RadianceMap copy;
+  copy.rgb = map.rgb.clone();
+  copy.alpha = map.alpha.clone();
+  copy.stddev = map.stddev.clone();
+  copy.chromaticities = map.chromaticities;
+  copy.white_luminance = map.white_luminance;
+  copy.projection = map.projection;
+  return copy;
 }
 
 }  // namespace
@@ -48,18 +69,24 @@ RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFla
                            const std::string& default_from, const std::string& source) {
   const std::string from_text = flags.from.empty() && picture.projection.empty() ? default_from : flags.from;
   Projection from = projection_of_probe(from_text, picture.projection, picture.size(), source);
-  if (std::holds_alternative<MirrorBall>(from)) {
-    const MirrorBall ball = ball_projection(run, picture, flags, source);
+  if (const auto* named = std::get_if<MirrorBall>(&from)) {
+    const MirrorBall ball = ball_projection(run, picture, flags, *named, source);
     from = ball;
     run.answer["ball"] = {{"cx", ball.disc.cx}, {"cy", ball.disc.cy}, {"r", ball.disc.r}};
-    run.say(fmt::format("ball: centre {:.2f}, {:.2f}, radius {:.2f} px", ball.disc.cx, ball.disc.cy, ball.disc.r));
+    run.answer["ball"]["distance"] = std::isfinite(ball.distance) ? Json(ball.distance) : Json(nullptr);
+    run.say(fmt::format("ball: centre {:.2f}, {:.2f}, radius {:.2f} px{}", ball.disc.cx, ball.disc.cy, ball.disc.r,
+                        std::isfinite(ball.distance) ? fmt::format(", camera at {:.2f} radii", ball.distance) : ""));
   }
   if (auto* view = std::get_if<Rectilinear>(&from); view && flags.fov) view->fov_degrees = *flags.fov;
   const auto [to, size] = flags.target();
   // d_out = R d_in, so what the probe shows in direction d the picture shows in R^-1 d.
   const Mat3 picture_from_probe = rotation_from_degrees(vec3_from_text(flags.rotate, "--rotate")).transpose();
   RadianceMap probe = run.stage("unwrap", [&, &target = to, &target_size = size] {
-    return unwrap(picture, from, target, target_size, picture_from_probe);
+    const auto* ball = std::get_if<MirrorBall>(&from);
+    if (!ball || flags.reflectance.empty()) return unwrap(picture, from, target, target_size, picture_from_probe);
+    RadianceMap light = copy_of(picture);
+    divide_by_reflectance(light, *ball, vec3_from_text(flags.reflectance, "--reflectance").array());
+    return unwrap(light, from, target, target_size, picture_from_probe);
   });
   Json view = {{"from_path", source}, {"probe_from_view", Json::array()}, {"overlap_rms", nullptr}, {"gain", 1.0}};
   const Mat3 probe_from_view = picture_from_probe.transpose();

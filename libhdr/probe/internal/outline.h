@@ -1,5 +1,5 @@
 #pragma once
-// Does a circle bound a mirrored sphere, and where exactly? Read along radii of the picture.
+// Does a circle or an ellipse bound a mirrored sphere, and where exactly? Read along radii of the picture.
 //
 // A mirrored sphere has no outline of its own colour: at the rim it shows what is straight behind it. But just inside,
 // the reflection sweeps the scene at a rate that is infinite at the rim: the normal's angle goes as sqrt(x), x the
@@ -9,16 +9,17 @@
 #include <memory>
 
 #include "libhdr/core/image.h"
-#include "libhdr/probe/projection.h"
+#include "libhdr/probe/internal/ball_camera.h"
 
 namespace hdr::internal {
 
 struct OutlineFit {
-  Disc disc;
+  Ellipse outline;
   double evidence = 0;     ///< mean over the radii of ln(likelihood with an outline / with anything else), bounded
   double support = 0;      ///< share of the radii, of those in the frame, that speak for the outline
   double in_frame = 0;     ///< share of the outline that the picture shows
-  double residual_px = 0;  ///< rms distance of the supporting radii's own best places from the circle
+  double residual_px = 0;  ///< rms distance of the supporting radii's own best places from the outline
+  int radii = 0;           ///< that the picture shows
 };
 
 struct OutlineSearch {
@@ -29,11 +30,12 @@ struct OutlineSearch {
   double noise = 1e-3;     ///< standard deviation of a pixel, as a share of its value
 };
 
-/// Finds the circle near a guess with the most evidence in a picture of luminance.
+/// Finds the outline near a guess with the most evidence in a picture of luminance.
 class OutlineModel {
  public:
   explicit OutlineModel(const OutlineSearch& search);
-  OutlineFit fit(View<const float> luminance, const Disc& guess) const;
+  /// `elongates`: the larger half-axis is sought, too; else both grow alike.
+  OutlineFit fit(View<const float> luminance, const Ellipse& guess, bool elongates = false) const;
 
   struct Tables;
 

@@ -4,6 +4,7 @@
 
 #include "libhdr/core/image.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/probe/internal/ball_camera.h"
 #include "libhdr/probe/projection.h"
 
 namespace hdr::internal {
@@ -36,7 +37,7 @@ class SourcePicture {
 
   View<const float> pixels_;
   bool latlong_;
-  std::optional<Disc> disc_;
+  std::optional<Ellipse> disc_;
 };
 
 }  // namespace hdr::internal

@@ -40,8 +40,8 @@ TEST_P(FindBall, PlacesTheOutlineWithinAPixel) {
   add_noise(picture, c.noise, c.seed);
   const auto found = find_ball(picture);
   ASSERT_TRUE(found);
-  EXPECT_LT(std::hypot(found->disc.cx - c.ball.disc.cx, found->disc.cy - c.ball.disc.cy), 0.6);
-  EXPECT_NEAR(found->disc.r, c.ball.disc.r, 0.6);
+  EXPECT_LT(std::hypot(found->ball.disc.cx - c.ball.disc.cx, found->ball.disc.cy - c.ball.disc.cy), 0.6);
+  EXPECT_NEAR(found->ball.disc.r, c.ball.disc.r, 0.6);
   EXPECT_GT(found->support, 0.6);
   EXPECT_LT(found->residual_px, 1.5);
 }

@@ -1,0 +1,68 @@
+// Mirror balls through the command: beside the camera's axis, with their reflectance.
+#include "tests/cli/fixture.h"
+
+namespace hdr::test {
+namespace {
+
+class Ball : public ::testing::Test {
+ protected:
+  void SetUp() override { write_world(world()); }
+  std::string world() const { return at("world.exr"); }
+  std::string at(const std::string& name) const { return (scratch_ / name).string(); }
+  /// The picture behind a simulated photograph of a ball, and the truth about it.
+  Json photograph(const std::string& folder, std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"simulate", world(),   "-o",   at(folder), "--ball", "--size",
+                                          "600x450",  "--times", "1/60", "--format", "png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    answer_of(arguments);
+    return Json::parse(bytes_of(scratch_ / folder / "bracket.json"))["ball"];
+  }
+  double p99_from_world(const std::string& probe) const {
+    return answer_of({"diff", at(probe), world(), "--ignore-cones", "35"})["p99_abs_log2"];
+  }
+  double median_from_world(const std::string& probe) const {
+    return answer_of({"diff", at(probe), world(), "--ignore-cones", "35"})["median_abs_log2"];
+  }
+
+  ScratchDir scratch_;
+};
+
+TEST_F(Ball, BesideTheMiddleTheCamerasFieldGivesTheTrueRays) {
+  const Json ball = photograph("shots", {"--distance", "6", "--ball-at", "180,160", "--ball-radius", "110"});
+  const std::string outline = std::to_string(ball["cx"].get<double>()) + "," +
+                              std::to_string(ball["cy"].get<double>()) + "," + std::to_string(ball["r"].get<double>());
+  // A map without a tag, as a merge writes it.
+  answer_of({"unwrap", at("shots/truth.exr"), "-o", at("tagged.exr"), "--width", "256"});
+  const Json answer = answer_of({"unwrap", at("shots/truth.exr"), "-o", at("probe.exr"), "--width", "256", "--ball",
+                                 outline, "--camera-fov", std::to_string(ball["fov"].get<double>())});
+  EXPECT_NEAR(answer["ball"]["distance"].get<double>(), 6, 1e-3);
+  EXPECT_LT(median_from_world("tagged.exr"), 0.05);
+  EXPECT_LT(median_from_world("probe.exr"), 0.05);
+  answer_of({"unwrap", at("shots/truth.exr"), "-o", at("far.exr"), "--width", "256", "--from",
+             "mirror-ball cx=180 cy=160 r=110"});
+  EXPECT_GT(p99_from_world("far.exr"), 1.3 * p99_from_world("probe.exr")) << "a far camera's rays are others";
+}
+
+TEST_F(Ball, ReflectanceIsDividedOut) {
+  photograph("shots", {"--reflectance", "0.5,0.55,0.6", "--distance", "20"});
+  answer_of({"unwrap", at("shots/truth.exr"), "-o", at("dark.exr"), "--width", "256"});
+  answer_of(
+      {"unwrap", at("shots/truth.exr"), "-o", at("probe.exr"), "--width", "256", "--reflectance", "0.5,0.55,0.6"});
+  EXPECT_GT(median_from_world("dark.exr"), 0.5);
+  EXPECT_LT(median_from_world("probe.exr"), 0.05);
+}
+
+TEST_F(Ball, WhatCannotBeIsRefused) {
+  photograph("shots", {"--photographer", "8"});
+  const std::string truth = at("shots/truth.exr");
+  expect_refusal({"unwrap", truth, "-o", at("x.exr"), "--reflectance", "0,1,1"}, {"--reflectance", "above 0"});
+  expect_refusal({"unwrap", truth, "-o", at("x.exr"), "--camera-fov", "200"}, {"180"});
+  expect_refusal({"unwrap", truth, "-o", at("x.exr"), "--distance", "0.9"}, {"--distance", "1 radius"});
+  expect_refusal({"simulate", world(), "-o", at("y"), "--ball", "--times", "1/60", "--photographer", "50"},
+                 {"--photographer", "40"});
+  expect_refusal({"simulate", world(), "-o", at("y"), "--ball", "--times", "1/60", "--reflectance", "2,1,1"},
+                 {"--reflectance"});
+}
+
+}  // namespace
+}  // namespace hdr::test
