@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 #include "libhdr/core/error.h"
 
@@ -79,11 +80,17 @@ std::string read_text(const Path& path) {
   if (!fs::exists(path)) throw Error(path.string() + ": no such file; check the name");
   if (fs::is_directory(path)) throw Error(path.string() + ": is a folder; name a file");
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  // An empty file sets failbit on `text` alone, never badbit on the file.
+  std::string text;
+  if (fs::is_regular_file(path)) {  // whole, at once: a map is a large text
+    text.resize(fs::file_size(path));
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+    if (file.eof()) file.clear();
+  } else {
+    text.assign(std::istreambuf_iterator<char>(file), {});
+  }
   if (!file.is_open() || file.bad()) throw Error(path.string() + ": cannot be read; check its permissions");
-  return text.str();
+  return text;
 }
 
 }  // namespace hdr

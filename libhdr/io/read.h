@@ -14,7 +14,7 @@
 namespace hdr {
 
 /// 8- or 16-bit codes (JPEG, PNG, TIFF) with EXIF exposure, EXIF orientation applied (the picture is upright), alpha
-/// dropped, grey repeated in three channels. A DNG file is demosaiced (io/demosaic.h): its codes are linear. Throws
+/// dropped, grey repeated in three channels. A raw file is demosaiced (io/demosaic.h): its codes are linear. Throws
 /// Error: missing, not an image, truncated, float samples (a radiance map is not a photograph).
 Photo read_photo(const Path& path);
 
@@ -40,16 +40,35 @@ struct PhotoHeader {
 };
 PhotoHeader read_photo_header(const Path& path);
 
-/// Linear float RGB: EXR, HDR, PFM, float TIFF as they are; integer files (PNG, JPEG, ...) decoded from sRGB to linear
-/// [0,1], and a note in `warnings`. NaN and negative samples become 0 and infinities the largest finite sample of the
-/// map, counted in `warnings`; a map without any finite sample is an Error. kKeep leaves all samples as they are, for
-/// who wants to count them himself.
+enum class NonFinite { kReplace, kKeep };
+
+/// How a mantissa m of a Radiance file is decoded, with exponent e: as m 2^(e-136) (OpenImageIO, OpenCV and most
+/// others; right for files whose mantissas were rounded, as write_map does), or as (m + 0.5) 2^(e-136) (Radiance
+/// itself, whose encoder cuts: then it is the middle of what became m). They differ by 0.2 to 0.4 % of the largest
+/// channel.
+enum class Mantissa { kPlain, kMiddle };
+
+/// In which primaries a map comes: kRec709, with the same tristimulus values XYZ that the file gives (no adaptation to
+/// another white: measured light stays what it is), or as they are in the file.
+enum class Primaries { kRec709, kAsInFile };
+
+struct ReadMapOptions {
+  NonFinite non_finite = NonFinite::kReplace;
+  Mantissa mantissa = Mantissa::kPlain;
+  Primaries primaries = Primaries::kRec709;
+};
+
+/// Linear float RGB, upright: OpenEXR (of several parts the first; luminance-chroma; envmaps brought to our pixel
+/// centres, cubes to a lat-long), Radiance HDR and XYZE, PFM, TIFF in float, Pixar log, LogLuv and LogL as they are;
+/// raw photographs as linear camera RGB in [0,1]; integer files (PNG, JPEG, ...) decoded from sRGB to linear [0,1], and
+/// a note in `warnings`. NaN and negative samples become 0 and infinities the largest finite sample of the map, counted
+/// in `warnings` (a sun of any height is finite, and stays); a map without any finite sample is an Error.
+/// NonFinite::kKeep leaves all samples as they are, for who wants to count them himself.
 struct ReadMap {
   RadianceMap map;
   std::vector<std::string> warnings;
 };
-enum class NonFinite { kReplace, kKeep };
-ReadMap read_map(const Path& path, NonFinite non_finite = NonFinite::kReplace);
+ReadMap read_map(const Path& path, const ReadMapOptions& options = {});
 
 /// What is in a file, every pixel read (`hdr info`). Statistics are over all channels; `stops` = log2(max / smallest
 /// positive sample).

@@ -2,6 +2,7 @@
 #include <libraw/libraw.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -101,9 +102,9 @@ int orientation_of_flip(int flip) {
   }
 }
 
-class DngInput final : public OIIO::ImageInput {
+class RawInput final : public OIIO::ImageInput {
  public:
-  explicit DngInput(Path path) : path_(std::move(path)), raw_(opened(path_)) {
+  explicit RawInput(Path path) : path_(std::move(path)), raw_(opened(path_)) {
     const libraw_image_sizes_t& sizes = raw_->imgdata.sizes;
     m_spec = OIIO::ImageSpec(sizes.width, sizes.height, 3, OIIO::TypeDesc::UINT16);
     m_spec.attribute("Orientation", orientation_of_flip(sizes.flip));
@@ -113,7 +114,7 @@ class DngInput final : public OIIO::ImageInput {
     if (shot.aperture > 0) m_spec.attribute("FNumber", shot.aperture);
     if (shot.iso_speed > 0) m_spec.attribute("Exif:PhotographicSensitivity", shot.iso_speed);
   }
-  const char* format_name() const override { return "dng"; }
+  const char* format_name() const override { return internal::extension_of(path_) == ".dng" ? "dng" : "raw"; }
   bool open(const std::string&, OIIO::ImageSpec& spec) override {
     spec = m_spec;
     return true;
@@ -143,12 +144,15 @@ Mosaic read_dng(const Path& path) {
 
 namespace internal {
 
-bool is_dng_name(const Path& path) {
-  return extension_of(path) == ".dng";
+bool is_raw_name(const Path& path) {
+  static constexpr std::array kExtensions = {".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".srf", ".sr2",
+                                             ".orf", ".rw2", ".raf", ".pef", ".srw", ".3fr", ".iiq", ".mrw", ".kdc"};
+  const std::string extension = extension_of(path);
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 
-std::shared_ptr<OIIO::ImageInput> open_dng(const Path& path) {
-  return std::make_shared<DngInput>(path);
+std::shared_ptr<OIIO::ImageInput> open_raw(const Path& path) {
+  return std::make_shared<RawInput>(path);
 }
 
 }  // namespace internal

@@ -7,7 +7,6 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/io/internal/exif.h"
 #include "libhdr/io/internal/oiio.h"
-#include "libhdr/io/internal/radiance_header.h"
 #include "libhdr/io/internal/sphere_file.h"
 #include "libhdr/io/read.h"
 
@@ -46,12 +45,12 @@ struct Statistics {
 };
 
 /// Integer samples come as fractions of the full scale; codes are told as codes.
-double scale_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input, const Path& path) {
+double scale_of(const OIIO::ImageSpec& spec) {
   if (!spec.format.is_floating_point()) {
     const double bits = 8.0 * static_cast<double>(spec.format.basesize());
     return std::exp2(spec.format.is_signed() ? bits - 1 : bits) - 1;
   }
-  return std::string(input.format_name()) == "hdr" ? 1 / internal::radiance_exposure(path) : 1.0;
+  return 1.0;
 }
 
 Statistics statistics_of(const Image<float>& image, double scale) {
@@ -71,7 +70,7 @@ Statistics statistics_of(const Image<float>& image, double scale) {
 FileInfo read_info(const Path& path) try {
   const auto input = internal::open_picture(path);
   const OIIO::ImageSpec spec = input->spec();
-  const Statistics s = statistics_of(internal::read_floats(*input, path), scale_of(spec, *input, path));
+  const Statistics s = statistics_of(internal::read_floats(*input, path), scale_of(spec));
   FileInfo info;
   info.path = path;
   info.format = input->format_name();

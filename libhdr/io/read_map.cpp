@@ -12,7 +12,7 @@
 #include "libhdr/io/internal/map_samples.h"
 #include "libhdr/io/internal/oiio.h"
 #include "libhdr/io/internal/orientation.h"
-#include "libhdr/io/internal/radiance_header.h"
+#include "libhdr/io/internal/rec709.h"
 #include "libhdr/io/internal/sphere_file.h"
 #include "libhdr/io/read.h"
 
@@ -31,15 +31,6 @@ void linearise(RadianceMap& map) {
         float* rgb = map.rgb.pixel(x, y);
         for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(coverage * linear_from_srgb(rgb[c]));
       }
-    }
-  });
-}
-
-void divide(Image<float>& image, double factor) {
-  for_rows(image.height(), kGrain, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      float* row = image.row(y);
-      for (std::size_t i = 0; i < image.row_samples(); ++i) row[i] = static_cast<float>(row[i] / factor);
     }
   });
 }
@@ -78,7 +69,7 @@ Oddities count_oddities(const Image<float>& image) {
 }
 
 /// Light is finite and not negative: NaN and negative samples become 0, infinities the largest finite sample.
-void sanitise(Image<float>& image, const std::string& name, std::vector<std::string>& warnings) {
+void sanitise(Image<float>& image, const std::string& name, std::vector<std::string>& warnings, const char* why) {
   const Oddities odd = count_oddities(image);
   if (odd.nan == 0 && odd.infinite == 0 && odd.negative == 0) return;
   for_rows(image.height(), kGrain, [&](int first, int last) {
@@ -89,22 +80,25 @@ void sanitise(Image<float>& image, const std::string& name, std::vector<std::str
       }
     }
   });
-  warnings.push_back(fmt::format("{}: {} NaN and {} negative samples became 0, {} infinite ones {}", name, odd.nan,
-                                 odd.negative, odd.infinite, odd.largest));
+  warnings.push_back(fmt::format("{}: {} NaN and {} negative samples{} became 0, {} infinite ones {}", name, odd.nan,
+                                 odd.negative, why, odd.infinite, odd.largest));
 }
 
-Chromaticities chromaticities_of(const OIIO::ImageSpec& spec) {
-  Chromaticities xy;
-  const OIIO::ParamValue* found = spec.find_attribute("chromaticities");
-  if (!found || found->type().basetype != OIIO::TypeDesc::FLOAT || found->type().numelements() < 8) return xy;
-  const auto* v = static_cast<const float*>(found->data());
-  for (int i = 0; i < 2; ++i) {
-    xy.red[i] = v[i];
-    xy.green[i] = v[2 + i];
-    xy.blue[i] = v[4 + i];
-    xy.white[i] = v[6 + i];
+void require_light(const RadianceMap& map, const std::string& name) {
+  if (count_oddities(map.rgb).finite > 0) return;
+  throw Error(name + ": all samples are NaN, infinite or negative; the program that wrote it failed, make it again");
+}
+
+/// Integer samples: those of raw files are linear already, others are taken as sRGB.
+void make_linear(RadianceMap& map, const OIIO::ImageInput& input, const std::string& name,
+                 std::vector<std::string>& warnings) {
+  const std::string format = input.format_name();
+  if (format == "dng" || format == "raw") {
+    warnings.push_back(name + ": a raw photograph: linear, in the camera's own primaries");
+    return;
   }
-  return xy;
+  linearise(map);
+  warnings.push_back(name + ": integer samples, taken as sRGB and made linear; highlights are clipped at 1");
 }
 
 std::optional<double> white_luminance_of(const OIIO::ImageSpec& spec) {
@@ -114,8 +108,8 @@ std::optional<double> white_luminance_of(const OIIO::ImageSpec& spec) {
 
 }  // namespace
 
-ReadMap read_map(const Path& path, NonFinite non_finite) try {
-  const auto input = internal::open_picture(path);
+ReadMap read_map(const Path& path, const ReadMapOptions& options) try {
+  const auto input = internal::open_picture(path, options.mantissa);
   const OIIO::ImageSpec spec = input->spec();
   const std::string name = path.string();
   ReadMap result;
@@ -124,18 +118,22 @@ ReadMap read_map(const Path& path, NonFinite non_finite) try {
   const ChannelPlan plan = internal::plan_channels(spec, path);
   if (!plan.note.empty()) result.warnings.push_back(name + ": " + plan.note);
   internal::read_samples(*input, plan, path, map);
-  if (!spec.format.is_floating_point()) {
-    linearise(map);
-    result.warnings.push_back(name + ": integer samples, taken as sRGB and made linear; highlights are clipped at 1");
+  if (!spec.format.is_floating_point()) make_linear(map, *input, name, result.warnings);
+  map.chromaticities = internal::chromaticities_of(spec);
+  const bool convert = options.primaries == Primaries::kRec709 && !internal::is_rec709(map.chromaticities);
+  if (options.non_finite == NonFinite::kReplace) {
+    require_light(map, name);
+    // Before primaries are mixed, so that a NaN in one channel spoils no other.
+    if (convert) sanitise(map.rgb, name, result.warnings, "");
   }
-  if (std::string(input->format_name()) == "hdr") divide(map.rgb, internal::radiance_exposure(path));
-  if (non_finite == NonFinite::kReplace) {
-    if (count_oddities(map.rgb).finite == 0) {
-      throw Error(name + ": all samples are NaN or infinite; the program that wrote it failed, make it again");
-    }
-    sanitise(map.rgb, name, result.warnings);
-    if (!map.alpha.empty()) sanitise(map.alpha, name + " (alpha)", result.warnings);
-    if (!map.stddev.empty()) sanitise(map.stddev, name + " (stddev)", result.warnings);
+  if (convert) {
+    internal::convert_to_rec709(map);
+    result.warnings.push_back(name + ": its primaries were converted to Rec. 709");
+  }
+  if (options.non_finite == NonFinite::kReplace) {
+    sanitise(map.rgb, name, result.warnings, convert ? " (colours outside Rec. 709)" : "");
+    if (!map.alpha.empty()) sanitise(map.alpha, name + " (alpha)", result.warnings, "");
+    if (!map.stddev.empty()) sanitise(map.stddev, name + " (stddev)", result.warnings, "");
   }
 
   internal::place_in_display_window(map, spec, name, result.warnings);
@@ -143,7 +141,6 @@ ReadMap read_map(const Path& path, NonFinite non_finite) try {
   for (Image<float>* plane : {&map.rgb, &map.alpha, &map.stddev}) {
     *plane = internal::upright(std::move(*plane), orientation);
   }
-  map.chromaticities = chromaticities_of(spec);
   map.white_luminance = white_luminance_of(spec);
   internal::take_projection(map, spec, name, result.warnings);
   return result;

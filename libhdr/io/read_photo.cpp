@@ -6,6 +6,7 @@
 #include <string>
 
 #include "libhdr/core/error.h"
+#include "libhdr/io/internal/dng_file.h"
 #include "libhdr/io/internal/exif.h"
 #include "libhdr/io/internal/oiio.h"
 #include "libhdr/io/internal/orientation.h"
@@ -50,6 +51,7 @@ Photo decode_photo(const Path& path) {
   const auto input = open_picture(path);
   const OIIO::ImageSpec& spec = input->spec();
   Photo photo{path, exposure_from_exif(*input, path), bits_of(spec, path), is_lossy(*input), {}, {}};
+  require_memory(path, spec.width, spec.height, 3.0 * photo.bits / 8);
   try {
     if (photo.bits == 8) {
       photo.codes = decode_rows<std::uint8_t>(*input, path);
@@ -79,9 +81,10 @@ PhotoHeader read_photo_header(const Path& path) {
 
 bool is_photo_name(const Path& path) {
   static constexpr std::array kExtensions = {".jpg",  ".jpeg", ".jpe", ".png", ".tif", ".tiff", ".webp",
-                                             ".heic", ".heif", ".bmp", ".ppm", ".pgm", ".pnm",  ".dng"};
+                                             ".heic", ".heif", ".bmp", ".ppm", ".pgm", ".pnm"};
   const std::string extension = internal::extension_of(path);
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+  return internal::is_raw_name(path) ||
+         std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 
 }  // namespace hdr

@@ -15,12 +15,17 @@ enum class SampleType { kHalf, kFloat };
 
 struct WriteOptions {
   SampleType type = SampleType::kHalf;  ///< EXR only; others have their own
-  std::string compression = "piz";      ///< EXR: none, rle, zip, zips, piz, pxr24, b44, b44a, dwaa, dwab
+  /// EXR: none, rle, zip, zips, piz, pxr24, b44, b44a, dwaa, dwab. TIFF: none, zip, lzw, or with loss pixarlog (11 bits
+  /// a sample: steps of 0.4 %, up to 24.2), logluv (luminance in steps of 0.27 %), logluv24 (1.1 %), logl; others are
+  /// zip.
+  std::string compression = "piz";
+  bool grey = false;  ///< PFM: luminance alone, "Pf"
 };
 
 /// EXR (with alpha, `stddev` layer, chromaticities, whiteLuminance, hdr:* provenance, hdr:projection and OpenEXR's
-/// `envmap` where it applies), HDR, float TIFF. PNG/JPEG: an error that names `tonemap` (write_picture writes those).
-/// Half that would overflow is an Error naming --type float and the number of pixels.
+/// `envmap` where it applies), HDR (with PRIMARIES where they are not Rec. 709, and lines hdr:projection and
+/// hdr:whiteLuminance), PFM, TIFF in float or log. PNG/JPEG: an error that names `tonemap` (write_picture writes
+/// those). Half, RGBE or Pixar's log that would overflow is an Error naming the number of pixels and what holds them.
 void write_map(const Path& path, const RadianceMap& map, const Provenance& provenance = {},
                const WriteOptions& options = {});
 

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <memory>
 
 #include "libhdr/core/error.h"
-#include "libhdr/core/parallel.h"
 #include "libhdr/io/internal/oiio.h"
 #include "libhdr/io/internal/write_exr.h"
+#include "libhdr/io/internal/write_own.h"
 #include "libhdr/io/output_file.h"
 #include "libhdr/io/write.h"
 
@@ -25,8 +25,9 @@ void require_map_name(const Path& path) {
                 ": cannot be written: a radiance map does not fit in a picture; write .exr, or make the "
                 "picture with hdr tonemap");
   }
-  if (extension != ".exr" && extension != ".hdr" && extension != ".tif" && extension != ".tiff") {
-    throw Error(fmt::format("{}: cannot be written: no format for maps is called '{}'; write .exr, .hdr or .tif",
+  static constexpr std::array kKnown = {".exr", ".hdr", ".pfm", ".tif", ".tiff"};
+  if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end()) {
+    throw Error(fmt::format("{}: cannot be written: no format for maps is called '{}'; write .exr, .hdr, .pfm or .tif",
                             path.string(), extension));
   }
 }
@@ -52,39 +53,55 @@ class ExrRows final : public MapWriter {
   int next_ = 0;
 };
 
-/// RGBE [Ward91] holds three 8-bit mantissas under the exponent of the largest. OpenImageIO cuts what does not fit,
-/// which darkens by up to 1/256; so the values are first rounded to those that fit exactly.
-void round_to_rgbe(View<float> rgb, const Path& path) {
-  constexpr double kLargest = 0x1.fep126;  // mantissa 255/256, exponent 2^127
-  for_rows(rgb.height(), 16, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < rgb.width(); ++x) {
-        float* pixel = rgb.pixel(x, y);
-        const double largest = std::max({pixel[0], pixel[1], pixel[2]});
-        if (!(largest <= kLargest)) {
-          throw Error(
-              fmt::format("{}: cannot be written: the value {:g} is beyond RGBE; write .exr", path.string(), largest));
-        }
-        int exponent = 0;
-        if (std::frexp(largest, &exponent) > 255.5 / 256) ++exponent;  // would round up to 256
-        const double quantum = std::ldexp(1.0, exponent - 8);
-        for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(std::round(pixel[c] / quantum) * quantum);
-      }
+/// Float TIFF, through OpenImageIO.
+class TiffOut final : public internal::RowsOut {
+ public:
+  TiffOut(const Path& file, const Path& path, const MapHeader& header, const std::string& compression) : path_(path) {
+    OIIO::ImageSpec spec(header.size.width, header.size.height, 3, OIIO::TypeDesc::FLOAT);
+    spec.attribute("DateTime", "");  // TIFF would get the clock time: the same work gives the same bytes
+    if (compression == "none" || compression == "lzw" || compression == "zip") {
+      spec.attribute("compression", compression);
     }
-  });
+    output_ = OIIO::ImageOutput::create(file.string());
+    if (!output_) throw_unwritable(path, OIIO::geterror());
+    if (!output_->open(file.string(), spec)) throw_unwritable(path, output_->geterror());
+  }
+  void put(View<float> rows) override {
+    const auto sample = static_cast<OIIO::stride_t>(sizeof(float));
+    const bool written = output_->write_scanlines(done_, done_ + rows.height(), 0, OIIO::TypeDesc::FLOAT, rows.data(),
+                                                  3 * sample, sample * rows.stride());
+    if (!written) throw_unwritable(path_, output_->geterror());
+    done_ += rows.height();
+  }
+  void finish() override {
+    if (!output_->close()) throw_unwritable(path_, output_->geterror());
+  }
+
+ private:
+  Path path_;
+  std::unique_ptr<OIIO::ImageOutput> output_;
+  int done_ = 0;
+};
+
+std::unique_ptr<internal::RowsOut> rows_out(const Path& file, const Path& path, const MapHeader& header,
+                                            const WriteOptions& options) {
+  const std::string extension = extension_of(path);
+  if (extension == ".hdr") return internal::write_radiance(file, path, header);
+  if (extension == ".pfm") return internal::write_pfm(file, path, header, options.grey);
+  if (internal::is_log_compression(options.compression)) {
+    return internal::write_log_tiff(file, path, header, options.compression);
+  }
+  return std::make_unique<TiffOut>(file, path, header, options.compression);
 }
 
-/// Radiance HDR and float TIFF, through OpenImageIO.
+/// Bands as they come become rows enough at a time for all threads.
 class ScanlineRows final : public MapWriter {
  public:
-  ScanlineRows(const Path& path, Size size)
-      : path_(path), size_(size), file_(path), waiting_(size.width, std::min(size.height, kRowsAtATime), 3) {
-    OIIO::ImageSpec spec(size.width, size.height, 3, OIIO::TypeDesc::FLOAT);
-    spec.attribute("DateTime", "");  // TIFF would get the clock time: the same work gives the same bytes
-    output_ = OIIO::ImageOutput::create(file_.temporary().string());
-    if (!output_) throw_unwritable(path, OIIO::geterror());
-    if (!output_->open(file_.temporary().string(), spec)) throw_unwritable(path, output_->geterror());
-  }
+  ScanlineRows(const Path& path, const MapHeader& header, const WriteOptions& options)
+      : size_(header.size),
+        file_(path),
+        waiting_(size_.width, std::min(size_.height, kRowsAtATime), 3),
+        out_(rows_out(file_.temporary(), path, header, options)) {}
 
   void put(const MapRows& rows) override {
     HDR_ASSERT(rows.first == first_ + count_ && rows.rgb.width() == size_.width);
@@ -97,7 +114,7 @@ class ScanlineRows final : public MapWriter {
   void finish() override {
     if (count_ > 0) flush();
     HDR_ASSERT(first_ == size_.height);
-    if (!output_->close()) throw_unwritable(path_, output_->geterror());
+    out_->finish();
     file_.commit();
   }
 
@@ -106,21 +123,15 @@ class ScanlineRows final : public MapWriter {
   static constexpr int kRowsAtATime = 128;
 
   void flush() {
-    const View<float> rows = waiting_.view().rows(0, count_);
-    if (extension_of(path_) == ".hdr") round_to_rgbe(rows, path_);
-    const auto sample = static_cast<OIIO::stride_t>(sizeof(float));
-    const bool written = output_->write_scanlines(first_, first_ + count_, 0, OIIO::TypeDesc::FLOAT, rows.data(),
-                                                  3 * sample, sample * rows.stride());
-    if (!written) throw_unwritable(path_, output_->geterror());
+    out_->put(waiting_.view().rows(0, count_));
     first_ += count_;
     count_ = 0;
   }
 
-  Path path_;
   Size size_;
   OutputFile file_;
-  std::unique_ptr<OIIO::ImageOutput> output_;
   Image<float> waiting_;
+  std::unique_ptr<internal::RowsOut> out_;
   int first_ = 0, count_ = 0;  ///< rows written, and rows that wait
 };
 
@@ -135,7 +146,7 @@ std::unique_ptr<MapWriter> open_map_rows(const Path& path, const MapHeader& head
   HDR_ASSERT(header.size.width > 0 && header.size.height > 0);
   require_map_name(path);
   if (extension_of(path) == ".exr") return std::make_unique<ExrRows>(path, header, provenance, options);
-  return std::make_unique<ScanlineRows>(path, header.size);
+  return std::make_unique<ScanlineRows>(path, header, options);
 }
 
 void write_map(const Path& path, const RadianceMap& map, const Provenance& provenance, const WriteOptions& options) {

@@ -125,7 +125,7 @@ bool bench_command(const Options& options, const std::vector<Path>& files, const
     if (result.exit_code != 0) throw Error("hdr merge failed: " + result.err);
   };
   run();
-  const RadianceMap map = read_map(output, NonFinite::kKeep).map;
+  const RadianceMap map = read_map(output, {NonFinite::kKeep}).map;
   Row command{"hdr merge, JPEG to EXR", {}, score_map(map.rgb, truth, step), 0, false};
   command.sane = is_sane(command.score);
   Row floor{"decode all + write", {}, {}, 0, true};

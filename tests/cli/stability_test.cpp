@@ -69,7 +69,7 @@ class Stability : public ::testing::Test {
     const Json answered = answer_of(merge_line(files, std::move(more)));
     if (answer) *answer = answered;
     if (answered.empty()) return {};
-    RadianceMap map = read_map(at("map.exr"), NonFinite::kKeep).map;
+    RadianceMap map = read_map(at("map.exr"), {NonFinite::kKeep}).map;
     int bad = 0;
     for (int y = 0; y < map.rgb.height(); ++y) {
       for (const float* v = map.rgb.row(y); v != map.rgb.row(y) + map.rgb.row_samples(); ++v) {

@@ -52,7 +52,7 @@ std::function<int(Run&)> declare_diff(CLI::App& app) {
       "lat-long maps: ignore directions within this many degrees of +Z and -Z, the photographer and the blind "
       "spot of a ball");
   return [options](Run& run) {
-    const ReadMap a = read_map(options->a, NonFinite::kKeep), b = read_map(options->b, NonFinite::kKeep);
+    const ReadMap a = read_map(options->a, {NonFinite::kKeep}), b = read_map(options->b, {NonFinite::kKeep});
     if (a.map.size() != b.map.size()) {
       throw Error(fmt::format("{} is {}x{} and {} is {}x{}; bring them to one size with hdr unwrap --width", options->a,
                               a.map.rgb.width(), a.map.rgb.height(), options->b, b.map.rgb.width(),

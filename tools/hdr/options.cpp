@@ -186,13 +186,15 @@ AlignMethod align_method(const std::string& name) {
 
 void WriteFlags::declare(CLI::App& app) {
   app.add_option("--type", type, "EXR samples")->check(CLI::IsMember({"half", "float"}))->capture_default_str();
-  app.add_option("--compression", compression, "EXR compression")
-      ->check(CLI::IsMember({"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"}))
+  app.add_option("--compression", compression,
+                 "of EXR; of TIFF: none, lzw, zip, or pixarlog, logluv, logluv24, logl, which lose a little")
+      ->check(CLI::IsMember({"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab", "lzw",
+                             "pixarlog", "logluv", "logluv24", "logl"}))
       ->capture_default_str();
 }
 
 WriteOptions WriteFlags::options() const {
-  return {type == "float" ? SampleType::kFloat : SampleType::kHalf, compression};
+  return {type == "float" ? SampleType::kFloat : SampleType::kHalf, compression, false};
 }
 
 void UnwrapFlags::declare(CLI::App& app) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libhdr/core/error.h"
+#include "libhdr/io/internal/file_kind.h"
 
 namespace hdr::internal {
 namespace {
@@ -27,6 +28,11 @@ bool is_restart(std::uint8_t code) {
   return code >= 0xd0 && code <= 0xd7;
 }
 
+/// SOF0 to SOF15, but for DHT, JPG and DAC.
+bool is_frame(std::uint8_t code) {
+  return code >= 0xc0 && code <= 0xcf && code != kDht && code != 0xc8 && code != 0xcc;
+}
+
 constexpr char kIccSignature[] = "ICC_PROFILE";  // with its closing zero, 12 bytes, then chunk number and count
 
 class MarkerWalk {
@@ -42,6 +48,7 @@ class MarkerWalk {
       if (is_restart(*code) || *code == kSoi || *code == 0x01) continue;  // markers that stand alone
       if (*code == kSos) ++layout_.scans;
       if (*code == kDht) layout_.huffman_tables = true;
+      if (is_frame(*code)) take_size();
       if (!skip_segment(*code)) return false;
     }
     return false;
@@ -61,6 +68,13 @@ class MarkerWalk {
       if (byte(at_) != kStuffing && byte(at_) != 0xff) return byte(at_++);
     }
     return std::nullopt;
+  }
+
+  /// Length, precision, then height and width, two bytes each.
+  void take_size() {
+    if (at_ + 7 > bytes_.size()) return;
+    layout_.height = byte(at_ + 3) * 256 + byte(at_ + 4);
+    layout_.width = byte(at_ + 5) * 256 + byte(at_ + 6);
   }
 
   bool skip_segment(std::uint8_t code) {
@@ -121,7 +135,13 @@ std::optional<JpegLayout> vet_jpeg(const std::string& bytes, const std::string& 
   if (walk.icc_is_damaged()) {
     throw Error(name + ": its colour profile (ICC) is damaged; save the picture again without it");
   }
-  return walk.layout();
+  // Before libjpeg sees it: for a progressive picture it allocates the whole of it first.
+  const JpegLayout& layout = walk.layout();
+  if (1.0 * layout.width * layout.height > static_cast<double>(bytes.size()) * most_pixels_per_byte(FileKind::kJpeg)) {
+    throw Error(fmt::format("{}: its header promises {} x {} pixels in {} bytes; is it damaged?", name, layout.width,
+                            layout.height, bytes.size()));
+  }
+  return layout;
 }
 
 }  // namespace hdr::internal

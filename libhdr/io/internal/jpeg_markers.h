@@ -10,6 +10,7 @@ namespace hdr::internal {
 
 /// What was found in a JPEG.
 struct JpegLayout {
+  int width = 0, height = 0;          ///< as the frame header promises
   int scans = 0;                      ///< more than one: progressive, or one for each channel
   std::vector<std::size_t> profiles;  ///< where the signatures of ICC profiles begin
   std::size_t end = 0;                ///< bytes up to and with the end marker; cameras pad what they stream

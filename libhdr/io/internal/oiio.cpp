@@ -2,27 +2,28 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <mutex>
+#include <vector>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/io/internal/dng_file.h"
+#include "libhdr/io/internal/file_kind.h"
 #include "libhdr/io/internal/jpeg_file.h"
 #include "libhdr/io/internal/jpeg_markers.h"
+#include "libhdr/io/internal/own_inputs.h"
+#include "libhdr/io/internal/patched_file.h"
 
 namespace hdr::internal {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// No codec packs more: deflate 1032 samples a byte, run lengths far fewer. A header that promises more is damaged, and
-/// would ask for memory that the picture does not need.
-constexpr double kMostPixelsPerByte = 65536;
 
 void check_file(const Path& path) {
   std::error_code failed;
@@ -34,14 +35,14 @@ void check_file(const Path& path) {
   }
 }
 
-void check_size(const Path& path, const OIIO::ImageSpec& spec) {
+void check_size(const Path& path, const OIIO::ImageSpec& spec, FileKind kind) {
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) {
     throw Error(path.string() + ": has no pixels; is it damaged?");
   }
   std::error_code failed;
   const auto bytes = static_cast<double>(fs::file_size(path, failed));
   const double pixels = 1.0 * spec.width * spec.height;
-  if (!failed && pixels > bytes * kMostPixelsPerByte) {
+  if (!failed && pixels > bytes * most_pixels_per_byte(kind)) {
     throw Error(fmt::format("{}: its header promises {} x {} pixels in {} bytes; is it damaged?", path.string(),
                             spec.width, spec.height, bytes));
   }
@@ -66,7 +67,48 @@ void share_threads() {
   OIIO::attribute("exr_threads", threads());
 }
 
+/// Memory that this machine has, in bytes.
+double memory_here() {
+  return 1.0 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+/// What reads the file besides OpenImageIO; nullptr: it does.
+std::shared_ptr<OIIO::ImageInput> open_by_ourselves(const Path& path, FileKind kind, Mantissa mantissa) {
+  switch (kind) {
+    case FileKind::kRaw:
+      return open_raw(path);
+    case FileKind::kRadiance:
+      return open_radiance(path, mantissa);
+    case FileKind::kPfm:
+      return open_pfm(path);
+    case FileKind::kTiff:
+      return open_log_tiff(path);
+    case FileKind::kExr:
+      return open_chroma_exr(path);
+    default:
+      return nullptr;
+  }
+}
+
+/// Where an input that failed as a whole fails: its rows once more, one after the other. nullopt: in no row, or tiles.
+std::optional<int> first_bad_row(OIIO::ImageInput& input) {
+  const OIIO::ImageSpec& spec = input.spec();
+  if (spec.tile_width > 0) return std::nullopt;
+  std::vector<float> row(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
+  for (int y = 0; y < spec.height; ++y) {
+    if (!input.read_scanline(spec.y + y, 0, OIIO::TypeDesc::FLOAT, row.data()) || input.has_error()) return y;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+void require_memory(const Path& path, int width, int height, double bytes_a_pixel) {
+  const double bytes = bytes_a_pixel * width * height;
+  if (bytes <= memory_here()) return;
+  throw Error(fmt::format("{}: {} x {} pixels need {:.1f} GB, and this machine has {:.1f}; scale it down",
+                          path.string(), width, height, bytes / 1e9, memory_here() / 1e9));
+}
 
 std::string extension_of(const Path& path) {
   std::string extension = path.extension().string();
@@ -96,50 +138,73 @@ void throw_unreadable(const Path& path, OIIO::ImageInput& input, std::optional<i
                           oiio_message(input.geterror(), path)));
 }
 
-OpenedPicture open_picture_for_rows(const Path& path) {
-  /// The file that a JPEG is read from lives as long as the input.
+OpenedPicture open_picture_for_rows(const Path& path, Mantissa mantissa) {
+  /// The file that a picture is read from lives as long as the input.
   struct Opened {
     std::unique_ptr<OIIO::Filesystem::IOProxy> file;
     std::unique_ptr<OIIO::ImageInput> input;
   };
   check_file(path);
   share_threads();
-  if (is_dng_name(path)) {
-    const auto dng = open_dng(path);
-    check_size(path, dng->spec());
-    return {dng, false};
+  const FileKind kind = kind_of_file(path);
+  if (const auto own = open_by_ourselves(path, kind, mantissa)) {
+    check_size(path, own->spec(), kind);
+    return {own, false};
+  }
+  const char* reader = oiio_reader_of(kind);
+  if (!reader) {
+    throw Error(path.string() +
+                ": not a picture that can be read: it does not begin as EXR, Radiance HDR, PFM, TIFF, PNG, JPEG, WebP, "
+                "HEIF, BMP or PNM; is it a photograph or a map?");
   }
   const auto opened = std::make_shared<Opened>();
   const std::optional<JpegLayout> jpeg = vet_jpeg(path);
   if (jpeg) opened->file = jpeg_without_profiles(path, jpeg->profiles);
-  OIIO::ImageSpec config;
+  if (kind == FileKind::kTiff) opened->file = patched_file(path, patches_of_tiff(path));
+  if (kind == FileKind::kPng) opened->file = patched_file(path, patches_of_png(path));
+  OIIO::ImageSpec config, spec;
   config.attribute("oiio:UnassociatedAlpha", 1);
+  bool open = false;
+  std::string reason;
   {
     // One header at a time: reading camera headers side by side, OpenImageIO 2.4 crashed once in twenty brackets.
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
-    opened->input = OIIO::ImageInput::open(path.string(), &config, opened->file.get());
+    opened->input = OIIO::ImageInput::create(reader);  // this reader alone, whatever the file is called
+    if (opened->input) {
+      if (opened->file) opened->input->set_ioproxy(opened->file.get());
+      open = opened->input->open(path.string(), spec, config);
+      if (!open) reason = opened->input->geterror();
+    } else {
+      reason = OIIO::geterror();
+    }
   }
-  if (!opened->input) {
+  if (!open) {
     throw Error(fmt::format("{}: not a picture that can be read: {}; is it a photograph or a map?", path.string(),
-                            oiio_message(OIIO::geterror(), path)));
+                            oiio_message(reason, path)));
   }
-  check_size(path, opened->input->spec());
+  check_size(path, opened->input->spec(), kind);
   return {{opened, opened->input.get()}, jpeg ? jpeg->scans == 1 : decodes_in_one_pass(*opened->input, path)};
 }
 
-std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path) {
-  return open_picture_for_rows(path).input;
+std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path, Mantissa mantissa) {
+  return open_picture_for_rows(path, mantissa).input;
 }
 
 Image<float> read_floats(OIIO::ImageInput& input, const Path& path) {
   const OIIO::ImageSpec& spec = input.spec();
+  require_memory(path, spec.width, spec.height, sizeof(float) * static_cast<double>(spec.nchannels));
   Image<float> image(spec.width, spec.height, spec.nchannels);
   const auto step = static_cast<OIIO::stride_t>(sizeof(float));
   const bool read = input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.row(0),
                                      step * spec.nchannels, step * image.stride());
-  if (!read || input.has_error()) throw_unreadable(path, input);  // a truncated TIFF is "read", with an error left
-  return image;
+  if (read && !input.has_error()) return image;  // a truncated TIFF is "read", with an error left
+  const std::string reason = input.geterror();
+  const std::optional<int> row = first_bad_row(input);
+  if (!row || !input.has_error()) {
+    throw Error(fmt::format("{}: cannot be read: {}; is it damaged?", path.string(), oiio_message(reason, path)));
+  }
+  throw_unreadable(path, input, row);
 }
 
 bool is_lossy(const OIIO::ImageInput& input) {

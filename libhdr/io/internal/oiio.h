@@ -8,12 +8,14 @@
 
 #include "libhdr/core/image.h"
 #include "libhdr/core/photo.h"
+#include "libhdr/io/read.h"
 
 namespace hdr::internal {
 
-/// Opens a picture. Throws Error: missing, a folder, empty, not a picture, a JPEG that ends early, a header that
-/// promises more pixels than such a file can hold. Samples come as stored: alpha is not multiplied in.
-std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path);
+/// Opens a picture, by what its first bytes say it is (file_kind.h). Throws Error: missing, a folder, empty, not a
+/// picture, a JPEG, PNG or TIFF that ends early, a header that promises more pixels than such a file can hold. Samples
+/// come as stored: alpha is not multiplied in. `mantissa` is for Radiance files.
+std::shared_ptr<OIIO::ImageInput> open_picture(const Path& path, Mantissa mantissa = Mantissa::kPlain);
 
 /// The same; and whether scanlines are decoded as they are asked for, with memory for a few of them: not so in tiled
 /// and interlaced files, in progressive JPEGs, and in formats that OpenImageIO decodes whole.
@@ -21,7 +23,10 @@ struct OpenedPicture {
   std::shared_ptr<OIIO::ImageInput> input;
   bool in_one_pass = false;
 };
-OpenedPicture open_picture_for_rows(const Path& path);
+OpenedPicture open_picture_for_rows(const Path& path, Mantissa mantissa = Mantissa::kPlain);
+
+/// Throws Error when a picture of this size is more than this machine's memory: before anything is allocated.
+void require_memory(const Path& path, int width, int height, double bytes_a_pixel);
 
 /// Lower case, with the dot.
 std::string extension_of(const Path& path);
@@ -35,7 +40,8 @@ std::string oiio_message(const std::string& raw, const Path& path);
 /// "FILE: cannot be read: MESSAGE; is it damaged?", or with a row "FILE: cannot be read after row 12 of 480: ..."
 [[noreturn]] void throw_unreadable(const Path& path, OIIO::ImageInput& input, std::optional<int> row = std::nullopt);
 
-/// Decodes all channels as float (integer samples as fractions of the full scale) straight into our rows. Throws Error.
+/// Decodes all channels as float (integer samples as fractions of the full scale) straight into our rows. Throws Error
+/// that names the row, where the file has rows.
 Image<float> read_floats(OIIO::ImageInput& input, const Path& path);
 
 /// Whether the format or the compression loses detail (JPEG and its kin).

@@ -1,5 +1,6 @@
 #include "libhdr/io/internal/sphere_file.h"
 
+#include <OpenEXR/ImfEnvmap.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/sphere.h"
 
 namespace hdr::internal {
 namespace {
@@ -55,6 +57,37 @@ Image<float> from_corner_centred(const Image<float>& map) {
   return ours;
 }
 
+/// Bilinear, in the face that OpenEXR's own CubeMap names; border pixels of faces lie on the cube's edges.
+Image<float> latlong_from_cube(const Image<float>& cube) {
+  if (cube.empty()) return {};
+  const Imath::Box2i window({0, 0}, {cube.width() - 1, cube.height() - 1});
+  const int side = cube.width();
+  Image<float> map(4 * side, 2 * side, cube.channels());
+  for_rows(map.height(), 16, [&](int first, int last) {
+    for (int y = first; y < last; ++y) {
+      for (int x = 0; x < map.width(); ++x) {
+        const Vec3 d = dir_from_latlong((x + 0.5) / map.width(), (y + 0.5) / map.height());
+        Imf::CubeMapFace face;
+        Imath::V2f in_face;
+        Imf::CubeMap::faceAndPixelPosition(
+            {static_cast<float>(d.x()), static_cast<float>(d.y()), static_cast<float>(d.z())}, window, face, in_face);
+        const float x0 = std::min(std::floor(in_face.x), static_cast<float>(std::max(0, side - 2)));
+        const float y0 = std::min(std::floor(in_face.y), static_cast<float>(std::max(0, side - 2)));
+        const double fx = in_face.x - x0, fy = in_face.y - y0;
+        const double weights[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+        for (int k = 0; k < 4; ++k) {
+          if (weights[k] == 0) continue;
+          const Imath::V2f corner(x0 + static_cast<float>(k % 2), y0 + static_cast<float>(k / 2));
+          const Imath::V2f at = Imf::CubeMap::pixelPosition(face, window, corner);
+          const float* from = cube.pixel(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
+          for (int c = 0; c < map.channels(); ++c) map(x, y, c) += static_cast<float>(weights[k] * from[c]);
+        }
+      }
+    }
+  });
+  return map;
+}
+
 }  // namespace
 
 void place_in_display_window(RadianceMap& map, const OIIO::ImageSpec& spec, const std::string& name,
@@ -76,7 +109,8 @@ void place_in_display_window(RadianceMap& map, const OIIO::ImageSpec& spec, cons
 
 std::string projection_text(const OIIO::ImageSpec& spec) {
   const std::string ours = spec.get_string_attribute("hdr:projection");
-  return ours.empty() && is_envmap(spec, "LatLong") ? "latlong" : ours;
+  if (!ours.empty()) return ours;
+  return is_envmap(spec, "LatLong") ? "latlong" : is_envmap(spec, "CubeFace") ? "openexr-cube" : "";
 }
 
 void take_projection(RadianceMap& map, const OIIO::ImageSpec& spec, const std::string& name,
@@ -87,7 +121,16 @@ void take_projection(RadianceMap& map, const OIIO::ImageSpec& spec, const std::s
     for (Image<float>* plane : {&map.rgb, &map.alpha, &map.stddev}) *plane = from_corner_centred(*plane);
     warnings.push_back(name + ": OpenEXR envmap: resampled from pixels centred on the poles and the seam");
   } else if (by_others && is_envmap(spec, "CubeFace")) {
-    warnings.push_back(name + ": OpenEXR cube envmap: six faces, one above the other, as they are in the file");
+    if (spec.height != 6 * spec.width) {
+      throw Error(
+          fmt::format("{}: a cube envmap of {} x {} pixels: six square faces one above the other are as high as six "
+                      "times their width; is it damaged?",
+                      name, spec.width, spec.height));
+    }
+    for (Image<float>* plane : {&map.rgb, &map.alpha, &map.stddev}) *plane = latlong_from_cube(*plane);
+    map.projection = "latlong";
+    warnings.push_back(fmt::format("{}: OpenEXR cube envmap: its faces were resampled to a lat-long of {} x {}", name,
+                                   4 * spec.width, 2 * spec.width));
   }
 }
 

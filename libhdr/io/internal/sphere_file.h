@@ -16,11 +16,12 @@ void place_in_display_window(RadianceMap& map, const OIIO::ImageSpec& spec, cons
 
 /// hdr:projection, else OpenEXR's `envmap`. A lat-long envmap by others has the centres of its corner pixels ON the
 /// poles and the seam (OpenEXR, Technical Introduction, "Environment Maps"): it is resampled to our pixel-centred grid
-/// (core/sphere.h), which is noted in `warnings`.
+/// (core/sphere.h), which is noted in `warnings`. So is a cube envmap, whose faces have border pixels on the cube's
+/// edges: it becomes a lat-long four times as wide as a face. Throws Error where there are no six square faces.
 void take_projection(RadianceMap& map, const OIIO::ImageSpec& spec, const std::string& name,
                      std::vector<std::string>& warnings);
 
-/// The projection alone, without touching pixels; empty when the file says nothing.
+/// The projection of the file alone, "openexr-cube" too, without touching pixels; empty when the file says nothing.
 std::string projection_text(const OIIO::ImageSpec& spec);
 
 }  // namespace hdr::internal
