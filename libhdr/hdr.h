@@ -53,9 +53,14 @@
 #include "libhdr/probe/projection.h"  // pixels <-> directions
 #include "libhdr/probe/unwrap.h"      // from one projection to another
 
+#include "libhdr/light/cube.h"         // six faces
 #include "libhdr/light/environment.h"  // sample / pdf / invert
 #include "libhdr/light/horizontal_irradiance.h"  // what a lux meter would read
-#include "libhdr/light/sh.h"           // project, irradiance
+#include "libhdr/light/lights.h"       // N directional lights
+#include "libhdr/light/lights_text.h"  // for USD and Radiance
+#include "libhdr/light/sh.h"           // project, irradiance, rotated
+#include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
+#include "libhdr/light/sh_window.h"    // against ringing
 
 #include "libhdr/render/render.h"  // a picture of a scene lit by a probe
 #include "libhdr/render/scene.h"

@@ -73,9 +73,9 @@ Environment::Environment(Image<float> latlong) : map_(std::move(latlong)) {
   std::fill(columns_.begin(), columns_.end(), uniform);
 }
 
-Environment Environment::from_probe(const RadianceMap& probe, const Projection& projection, int width) {
+Image<float> latlong_from_probe(const RadianceMap& probe, const Projection& projection, int width) {
   if (std::holds_alternative<LatLong>(projection) && (width == 0 || width == probe.rgb.width())) {
-    return Environment(probe.rgb.clone());
+    return probe.rgb.clone();
   }
   constexpr int kLargest = 16384;
   if (width == 0) {
@@ -83,7 +83,11 @@ Environment Environment::from_probe(const RadianceMap& probe, const Projection& 
     width = std::clamp(2 * static_cast<int>(std::lround(0.5 * pixels_around)), 2, kLargest);
   }
   const Size size{width, std::max(1, width / 2)};
-  return Environment(resample(probe.rgb, projection, LatLong{size}, size));
+  return resample(probe.rgb, projection, LatLong{size}, size);
+}
+
+Environment Environment::from_probe(const RadianceMap& probe, const Projection& projection, int width) {
+  return Environment(latlong_from_probe(probe, projection, width));
 }
 
 Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y) const {

@@ -11,6 +11,10 @@
 
 namespace hdr {
 
+/// A probe of any projection as a lat-long of `width` (0: as fine as the source's middle, at most 16384; a lat-long as
+/// it is), what the probe does not show being black.
+Image<float> latlong_from_probe(const RadianceMap& probe, const Projection& projection, int width = 0);
+
 /// Importance sampling of a lat-long whose pixels are constants, by luminance times solid angle: row marginal, then
 /// column conditional, sums in double; uniform in solid angle inside the pixel, so that pdf = luminance / total
 /// exactly. An all-black map samples the sphere uniformly. A black pixel is never drawn, and every other pixel can be,
@@ -20,7 +24,7 @@ class Environment {
   /// A lat-long with three channels, finite and non-negative (read_map has seen to it).
   explicit Environment(Image<float> latlong);
 
-  /// From any projection, resampled to a lat-long of `width` (0: as fine as the source's middle; a lat-long as it is).
+  /// Of latlong_from_probe().
   static Environment from_probe(const RadianceMap& probe, const Projection& projection, int width = 0);
 
   struct Sample {

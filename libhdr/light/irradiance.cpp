@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/light/internal/clamped_cosine.h"
 #include "libhdr/light/sh.h"
@@ -27,6 +30,65 @@ Rgb irradiance(const Sh& sh, const Vec3& n) {
     for (int m = -l; m <= l; ++m) sum += a * y[l * (l + 1) + m] * sh(l, m);
   }
   return sum;
+}
+
+namespace {
+
+// Down from `start`, in steps across the sphere that are halved when none of them helps.
+double least_near(const Sh& sh, int channel, Vec3 place, double step) {
+  double least = irradiance(sh, place)[channel];
+  for (; step > 1e-7; step *= 0.5) {
+    bool moved = true;
+    for (int turn = 0; moved && turn < 64; ++turn) {
+      moved = false;
+      Vec3f t, b;
+      tangents_from_normal(place.cast<float>(), t, b);
+      const Vec3 ways[] = {t.cast<double>(), b.cast<double>(), -t.cast<double>(), -b.cast<double>()};
+      for (const Vec3& way : ways) {
+        const Vec3 next = (place + step * way).normalized();
+        const double value = irradiance(sh, next)[channel];
+        if (value >= least) continue;
+        least = value;
+        place = next;
+        moved = true;
+      }
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+Rgb least_irradiance(const Sh& sh) {
+  const Size grid{48 + 8 * sh.degree, 24 + 4 * sh.degree};
+  Rgb least = Rgb::Constant(std::numeric_limits<double>::infinity());
+  std::array<Vec3, 3> places{Vec3::UnitY(), Vec3::UnitY(), Vec3::UnitY()};
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const Vec3 n = dir_from_latlong((x + 0.5) / grid.width, (y + 0.5) / grid.height);
+      const Rgb e = irradiance(sh, n);
+      for (int c = 0; c < 3; ++c) {
+        if (e[c] >= least[c]) continue;
+        least[c] = e[c];
+        places[static_cast<std::size_t>(c)] = n;
+      }
+    }
+  }
+  for (int c = 0; c < 3; ++c) least[c] = least_near(sh, c, places[static_cast<std::size_t>(c)], kPi / grid.height);
+  return least;
+}
+
+Image<float> irradiance_map(const Sh& sh, Size size) {
+  Image<float> map(size, 3);
+  for_rows(size.height, 4, [&](int first, int last) {
+    for (int y = first; y < last; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const Rgb e = irradiance(sh, dir_from_latlong((x + 0.5) / size.width, (y + 0.5) / size.height));
+        for (int c = 0; c < 3; ++c) map(x, y, c) = static_cast<float>(std::max(0.0, e[c]));
+      }
+    }
+  });
+  return map;
 }
 
 std::array<Mat4, 3> irradiance_matrices(const Sh& sh) {

@@ -81,32 +81,69 @@ GridMaxima maxima_over_normals(const Sh& sh, const Sh& omitted) {
       maxima.omitted = maxima.omitted.max(irradiance(omitted, n).abs());
     }
   }
-  maxima.omitted /= std::cos(kBoundDegree * kReach);
+  maxima.omitted /= std::cos(omitted.degree * kReach);
   return maxima;
 }
+
+// What a bound needs to know of a map, once.
+class Analysis {
+ public:
+  Analysis(View<const float> rgb, const Projection& projection, int degree)
+      : unit_(largest_sample(rgb)), black_(unit_ <= 0) {
+    if (black_) return;
+    full_ = project(rgb, projection, std::max(kBoundDegree, degree));
+    const Rgb energy = energy_of(rgb, projection, unit_);
+    flux_ = full_(0, 0) * std::sqrt(4 * kPi);
+    Rgb left = energy;
+    for (const Rgb& c : full_.coefficients) left -= c.square();
+    // What cancels in the difference is known to a few parts in 1e7: squares were rounded to float.
+    left = left.max(0.0) + 1e-7 * energy;
+    tail_ = (cosine_energy_beyond(full_.degree) * left).sqrt().min(cosine_residual_max(full_.degree) * flux_);
+  }
+
+  bool black() const { return black_; }
+  Sh truncated(int degree) const {
+    return {degree, {full_.coefficients.begin(), full_.coefficients.begin() + sh_count(degree)}};
+  }
+
+  double bound_of(const Sh& sh) const {
+    if (black_) return 0;
+    Sh omitted = full_;
+    for (std::size_t k = 0; k < sh.coefficients.size(); ++k) omitted.coefficients[k] -= sh.coefficients[k];
+    const GridMaxima maxima = maxima_over_normals(sh, omitted);
+    double bound = 0;
+    for (int c = 0; c < 3; ++c) {
+      if (flux_[c] > 0) bound = std::max(bound, (maxima.omitted[c] + tail_[c]) / maxima.irradiance[c]);
+    }
+    return bound;
+  }
+
+ private:
+  double unit_;
+  bool black_;
+  Sh full_;
+  Rgb flux_ = Rgb::Zero(), tail_ = Rgb::Zero();
+};
 
 }  // namespace
 
 double irradiance_error_bound(View<const float> rgb, const Projection& projection, const Sh& sh) {
-  const double unit = largest_sample(rgb);
-  if (unit <= 0) return 0;
-  const int degree = std::max(kBoundDegree, sh.degree);
-  Sh omitted = project(rgb, projection, degree);
-  const Rgb energy = energy_of(rgb, projection, unit);
-  const Rgb flux = omitted(0, 0) * std::sqrt(4 * kPi);
-  Rgb left = energy;
-  for (const Rgb& c : omitted.coefficients) left -= c.square();
-  // What cancels in the difference is known to a few parts in 1e7: squares were rounded to float.
-  left = left.max(0.0) + 1e-7 * energy;
-  const Rgb tail = (cosine_energy_beyond(degree) * left).sqrt().min(cosine_residual_max(degree) * flux);
+  return Analysis(rgb, projection, sh.degree).bound_of(sh);
+}
 
-  std::fill_n(omitted.coefficients.begin(), sh_count(sh.degree), Rgb::Zero());
-  const GridMaxima maxima = maxima_over_normals(sh, omitted);
-  double bound = 0;
-  for (int c = 0; c < 3; ++c) {
-    if (flux[c] > 0) bound = std::max(bound, (maxima.omitted[c] + tail[c]) / maxima.irradiance[c]);
+ChosenSh project_within(View<const float> rgb, const Projection& projection, double error) {
+  HDR_ASSERT(error > 0);
+  const Analysis analysis(rgb, projection, 0);
+  if (analysis.black()) return {{0, {Rgb::Zero()}}, 0, true};
+  ChosenSh chosen;
+  // Above 1 odd bands of the clamped cosine vanish: they would add coefficients and no irradiance.
+  for (const int degree : {0, 1, 2, 4, 6, 8, 10, 12}) {
+    chosen.sh = analysis.truncated(degree);
+    chosen.bound = analysis.bound_of(chosen.sh);
+    if (chosen.bound <= error) return chosen;
   }
-  return bound;
+  chosen.met = false;
+  return chosen;
 }
 
 }  // namespace hdr

@@ -1,30 +1,28 @@
+#include <algorithm>
 #include <cmath>
 
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/light/internal/project.h"
 #include "libhdr/light/internal/quadrature.h"
+#include "libhdr/light/internal/row_moments.h"
 
 namespace hdr {
 namespace {
 
 using Coefficients = std::vector<Rgb>;
 
-// Column x of the map holds azimuths 2 pi (1/2 - u), u from x/W to (x+1)/W. One row a column:
-//   integral over it of 1, cos phi, sin phi, cos 2phi, sin 2phi, ...
-Eigen::MatrixXd azimuth_integrals(int width, int degree) {
-  Eigen::MatrixXd table(width, 2 * degree + 1);
-  const double cell = 2 * kPi / width;
-  for (int x = 0; x < width; ++x) {
-    const double middle = 2 * kPi * (0.5 - (x + 0.5) / width);
-    table(x, 0) = cell;
-    for (int m = 1; m <= degree; ++m) {
-      const double chord = 2 * std::sin(0.5 * m * cell) / m;
-      table(x, 2 * m - 1) = chord * std::cos(m * middle);
-      table(x, 2 * m) = chord * std::sin(m * middle);
-    }
+// The fewest nodes whose error on a wave of `frequency` radians a unit over `width` units is below the last digit of a
+// double, by the rule's own remainder: width^(2n) n!^4 / ((2n + 1) (2n)!^3) times the derivative of order 2n.
+int polar_nodes(double frequency, double width) {
+  double remainder = 1;
+  int n = 0;
+  while (remainder > 1e-18 && n < 64) {
+    ++n;
+    const double k = 2.0 * n;
+    remainder *= std::pow(frequency * width, 2) * std::pow(n, 4) / std::pow(k * (k - 1), 3) * (k - 1) / (k + 1);
   }
-  return table;
+  return std::max(n, 2);
 }
 
 // Integral over the polar angles of row y of Y_lm(theta, phi = 0) sin theta, m >= 0, at index l(l+1) + m.
@@ -39,14 +37,15 @@ std::vector<double> polar_integrals(int y, int height, int degree, const GaussRu
   return sum;
 }
 
-void add_row(const Eigen::MatrixXd& moments, const std::vector<double>& polar, int degree, Coefficients& total) {
+void add_row(const double* moments, const std::vector<double>& polar, int degree, Coefficients& total) {
+  const auto moment = [moments](int k) { return Rgb(moments[3 * k], moments[3 * k + 1], moments[3 * k + 2]); };
   for (int l = 0; l <= degree; ++l) {
     const int centre = l * (l + 1);
     for (int m = 0; m <= l; ++m) {
       const double q = polar[static_cast<std::size_t>(centre + m)];
       const int cosine = m == 0 ? 0 : 2 * m - 1;
-      total[static_cast<std::size_t>(centre + m)] += q * moments.col(cosine).array();
-      if (m > 0) total[static_cast<std::size_t>(centre - m)] += q * moments.col(2 * m).array();
+      total[static_cast<std::size_t>(centre + m)] += q * moment(cosine);
+      if (m > 0) total[static_cast<std::size_t>(centre - m)] += q * moment(2 * m);
     }
   }
 }
@@ -79,18 +78,20 @@ Coefficients world_from_map_frame(const Coefficients& map_frame, int degree) {
 
 Sh project_latlong(View<const float> rgb, int degree) {
   const int width = rgb.width(), height = rgb.height();
-  const Eigen::MatrixXd azimuth = azimuth_integrals(width, degree);
-  const GaussRule rule = gauss_legendre(gauss_nodes_for_wave(degree + 1, kPi / height));
+  const AzimuthTable azimuth(width, degree);
+  const GaussRule rule = gauss_legendre(polar_nodes(degree + 1, kPi / height));
   const Coefficients zero(static_cast<std::size_t>(sh_count(degree)), Rgb::Zero());
   constexpr int kRowsInBlock = 16;
   const Coefficients map_frame = reduce_rows(
       height, kRowsInBlock, zero,
       [&](int first, int last) {
         Coefficients part = zero;
+        const auto row_size = static_cast<std::size_t>(3 * azimuth.count());
+        std::vector<double> moments(row_size * static_cast<std::size_t>(last - first));
+        row_moments(rgb.rows(first, last), azimuth, moments.data());
         for (int y = first; y < last; ++y) {
-          const Eigen::Map<const Eigen::Matrix3Xf> row(rgb.row(y), 3, width);
-          const Eigen::MatrixXd moments = row.cast<double>() * azimuth;
-          add_row(moments, polar_integrals(y, height, degree, rule), degree, part);
+          const double* of_row = moments.data() + row_size * static_cast<std::size_t>(y - first);
+          add_row(of_row, polar_integrals(y, height, degree, rule), degree, part);
         }
         return part;
       },

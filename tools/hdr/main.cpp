@@ -33,6 +33,7 @@ constexpr Verb kVerbs[] = {
     {"unwrap", "light probes", "from one picture of the sphere to another",
      "hdr unwrap ball.exr -o probe.exr --from mirror-ball --to latlong --width 2048", declare_unwrap},
     {"sh", "light", "spherical harmonics and irradiance of a probe", "hdr sh probe.exr -o sh.json", declare_sh},
+    {"lights", "light", "a probe as N directional lights", "hdr lights probe.exr -n 64 -o lights.usda", declare_lights},
     {"render", "light", "a test render lit by a probe", "hdr render --probe probe.exr -o render.exr", declare_render},
     {"tonemap", "pictures", "a map -> a PNG or JPEG to look at", "hdr tonemap probe.exr -o probe.png", declare_tonemap},
     {"diff", "pictures", "how far apart two maps are", "hdr diff probe.exr truth.exr --scale channel", declare_diff},

@@ -1,0 +1,48 @@
+#pragma once
+// Sums along the rows of a lat-long of its pixels times cos and sin of multiples of the azimuth: the separable half of
+// a projection. Sums and products are in double.
+#include <vector>
+
+#include "libhdr/core/image.h"
+#include "libhdr/core/vec.h"
+
+namespace hdr {
+
+/// Integrals over each column of 1, cos phi, sin phi, cos 2phi, ... for maps of one width. Column x holds azimuths
+/// 2 pi (1/2 - u), u from x/W to (x+1)/W.
+class AzimuthTable {
+ public:
+  AzimuthTable(int width, int degree);
+
+  int width() const { return width_; }
+  int degree() const { return degree_; }
+  int count() const { return 2 * degree_ + 1; }  ///< moments of a row
+
+  /// width x count: 1, cos phi, sin phi, cos 2phi, ...
+  Eigen::MatrixXd whole() const;
+
+  /// cos and sin of m phi over the first quarter of the columns, filled up with zeros to stride(): the other quarters
+  /// are the same but for signs and the swap of cos and sin.
+  const double* cosines(int m) const { return quarter_.data() + 2 * (m - 1) * stride_; }
+  const double* sines(int m) const { return cosines(m) + stride_; }
+  std::ptrdiff_t stride() const { return stride_; }
+  double cell() const { return cell_; }
+
+ private:
+  double middle(int x) const;
+  double chord(int m) const;
+
+  int width_, degree_;
+  double cell_;
+  std::ptrdiff_t stride_;
+  std::vector<double> quarter_;
+};
+
+/// moments[(row * count + k) * 3 + channel]: the whole map's width, any number of rows.
+void row_moments(View<const float> rows, const AzimuthTable& table, double* moments);
+
+namespace reference {
+void row_moments(View<const float> rows, const AzimuthTable& table, double* moments);
+}
+
+}  // namespace hdr

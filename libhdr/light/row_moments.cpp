@@ -1,0 +1,63 @@
+#include "libhdr/light/internal/row_moments.h"
+
+#include <cmath>
+
+#include "libhdr/core/sphere.h"
+
+namespace hdr {
+namespace {
+
+constexpr std::ptrdiff_t kPadding = 8;  // doubles of the widest vector
+
+}  // namespace
+
+AzimuthTable::AzimuthTable(int width, int degree)
+    : width_(width),
+      degree_(degree),
+      cell_(2 * kPi / width),
+      stride_((width / 4 + kPadding - 1) / kPadding * kPadding),
+      quarter_(static_cast<std::size_t>(2 * degree * stride_), 0.0) {
+  HDR_ASSERT(width > 0 && degree >= 0);
+  for (int m = 1; m <= degree; ++m) {
+    double* cosine = quarter_.data() + 2 * (m - 1) * stride_;
+    for (int x = 0; x < width / 4; ++x) {
+      cosine[x] = chord(m) * std::cos(m * middle(x));
+      cosine[x + stride_] = chord(m) * std::sin(m * middle(x));
+    }
+  }
+}
+
+double AzimuthTable::middle(int x) const {
+  return 2 * kPi * (0.5 - (x + 0.5) / width_);
+}
+
+// The integral of cos(m phi) over a cell is cos at its middle times this.
+double AzimuthTable::chord(int m) const {
+  return 2 * std::sin(0.5 * m * cell_) / m;
+}
+
+Eigen::MatrixXd AzimuthTable::whole() const {
+  Eigen::MatrixXd table(width_, count());
+  for (int x = 0; x < width_; ++x) {
+    table(x, 0) = cell_;
+    for (int m = 1; m <= degree_; ++m) {
+      table(x, 2 * m - 1) = chord(m) * std::cos(m * middle(x));
+      table(x, 2 * m) = chord(m) * std::sin(m * middle(x));
+    }
+  }
+  return table;
+}
+
+namespace reference {
+
+void row_moments(View<const float> rows, const AzimuthTable& table, double* moments) {
+  const Eigen::MatrixXd azimuth = table.whole();
+  for (int y = 0; y < rows.height(); ++y) {
+    const Eigen::Map<const Eigen::Matrix3Xf> row(rows.row(y), 3, rows.width());
+    Eigen::Map<Eigen::Matrix3Xd>(moments + static_cast<std::ptrdiff_t>(y) * 3 * table.count(), 3, table.count()) =
+        row.cast<double>() * azimuth;
+  }
+}
+
+}  // namespace reference
+}  // namespace hdr
