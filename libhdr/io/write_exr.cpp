@@ -53,7 +53,10 @@ Imf::Header header_of(const MapHeader& map, const Provenance& provenance) {
   const auto v2f = [](const float(&p)[2]) { return Imath::V2f(p[0], p[1]); };
   Imf::addChromaticities(header, Imf::Chromaticities(v2f(xy.red), v2f(xy.green), v2f(xy.blue), v2f(xy.white)));
   if (map.white_luminance) Imf::addWhiteLuminance(header, static_cast<float>(*map.white_luminance));
-  if (map.projection.starts_with("latlong")) Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
+  if (map.projection == "latlong") Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
+  if (map.projection == "cube-strip" && map.size.height == 6 * map.size.width) {
+    Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  }
   if (!map.projection.empty()) header.insert("hdr:projection", Imf::StringAttribute(map.projection));
   header.insert("hdr:version", Imf::StringAttribute(kVersion));
   for (const auto& [key, value] : provenance.entries) header.insert("hdr:" + key, Imf::StringAttribute(value));

@@ -74,7 +74,7 @@ Environment::Environment(Image<float> latlong) : map_(std::move(latlong)) {
 }
 
 Image<float> latlong_from_probe(const RadianceMap& probe, const Projection& projection, int width) {
-  if (std::holds_alternative<LatLong>(projection) && (width == 0 || width == probe.rgb.width())) {
+  if (is_plain_latlong(projection) && (width == 0 || width == probe.rgb.width())) {
     return probe.rgb.clone();
   }
   constexpr int kLargest = 16384;

@@ -146,7 +146,7 @@ Sh project_cells(View<const float> rgb, const Projection& projection, int degree
 Sh project(View<const float> rgb, const Projection& projection, int degree) {
   HDR_ASSERT(rgb.channels() == 3 && !rgb.empty());
   HDR_ASSERT(degree >= 0 && degree <= kMaxShDegree);
-  if (std::holds_alternative<LatLong>(projection)) return project_latlong(rgb, degree);
+  if (is_plain_latlong(projection)) return project_latlong(rgb, degree);
   return project_cells(rgb, projection, degree);
 }
 

@@ -45,17 +45,38 @@ struct DensityAt {
 
   // A square pixel at distance rho from the pinhole, seen under the cosine f / rho.
   double operator()(const Rectilinear& view) const {
-    const double f = 0.5 * view.size.width / std::tan(0.5 * view.fov_degrees * kDegree);
+    if (view.distortion != BrownConrady{}) return numeric(view);
+    const double f = view.focal_px();
     const double rho = std::hypot(f, px.x() - 0.5 * view.size.width, px.y() - 0.5 * view.size.height);
     return f / (rho * rho * rho);
   }
+
+  template <class Other>
+  double operator()(const Other& projection) const {
+    return numeric(projection);
+  }
+
+  /// |d dir / dx  x  d dir / dy| by differences, to the one side where the other has left the picture.
+  template <class Any>
+  double numeric(const Any& projection) const {
+    constexpr double kStep = 1e-4;
+    const auto slope = [&](const Vec2& step) -> Vec3 {
+      const auto before = projection.dir_from_px(px - step), here = projection.dir_from_px(px);
+      const auto after = projection.dir_from_px(px + step);
+      if (before && after) return (*after - *before) / (2 * kStep);
+      if (here && after) return (*after - *here) / kStep;
+      if (here && before) return (*here - *before) / kStep;
+      return Vec3::Zero();
+    };
+    return slope({kStep, 0}).cross(slope({0, kStep})).norm();
+  }
 };
 
+/// Where the picture shows the middle of its view.
 Vec2 middle_of(const Projection& projection) {
   if (const std::optional<Disc> disc = disc_of(projection)) return {disc->cx, disc->cy};
-  const Size size = std::holds_alternative<LatLong>(projection) ? std::get<LatLong>(projection).size
-                                                                : std::get<Rectilinear>(projection).size;
-  return {0.5 * size.width, 0.5 * size.height};
+  const auto front = px_from_dir(projection, Vec3::UnitZ());  // the middle of a face or a lat-long, too
+  return front.value_or(Vec2::Zero());
 }
 
 }  // namespace
@@ -66,12 +87,6 @@ double solid_angle_density(const Projection& projection, const Vec2& px) {
 
 double solid_angle_in_middle(const Projection& projection) {
   return solid_angle_density(projection, middle_of(projection));
-}
-
-std::optional<Disc> disc_of(const Projection& projection) {
-  if (const auto* map = std::get_if<AngularMap>(&projection)) return map->disc;
-  if (const auto* ball = std::get_if<MirrorBall>(&projection)) return ball->disc;
-  return std::nullopt;
 }
 
 }  // namespace hdr

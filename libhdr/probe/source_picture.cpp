@@ -1,6 +1,7 @@
 #include "libhdr/probe/internal/source_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "libhdr/core/sphere.h"
@@ -8,14 +9,7 @@
 namespace hdr::internal {
 namespace {
 
-constexpr double kHalfDiagonal = 0.7072;  ///< of a pixel: a centre this far inside the disc has its whole pixel inside
-
-std::optional<Ellipse> disc_of(const Projection& projection) {
-  if (const auto* map = std::get_if<AngularMap>(&projection))
-    return Ellipse{{map->disc.cx, map->disc.cy}, {1, 0}, map->disc.r, map->disc.r};
-  if (const auto* ball = std::get_if<MirrorBall>(&projection)) return outline_of(*ball);
-  return std::nullopt;
-}
+constexpr int kMostChannels = 16;
 
 /// The four taps of a bilinear sample, from (x, y) to (x + 1, y + 1).
 struct Bilinear {
@@ -41,66 +35,43 @@ void add_weighted(const float* pixel, double weight, int channels, double* sum) 
 }  // namespace
 
 SourcePicture::SourcePicture(View<const float> pixels, const Projection& projection)
-    : pixels_(pixels), latlong_(std::holds_alternative<LatLong>(projection)), disc_(disc_of(projection)) {}
+    : pixels_(pixels), neighbourhood_(pixels, projection) {
+  if (const auto disc = disc_of(projection)) middle_ = Vec2(disc->cx, disc->cy);
+}
 
 void SourcePicture::add(const Vec2& px, double* sum) const {
-  if (disc_ && near_rim(px)) return add_inside_disc(px, sum);
   const Bilinear taps(px);
-  const int last_x = pixels_.width() - 1, last_y = pixels_.height() - 1;
-  const bool interior = taps.x >= 0 && taps.y >= 0 && taps.x < last_x && taps.y < last_y;
+  if (!neighbourhood_.is_plain(neighbourhood_.region_of(px), {taps.x, taps.y, taps.x + 2, taps.y + 2})) {
+    return add_beside_edge(px, sum);
+  }
   for (int k = 0; k < 4; ++k) {
-    const int x = taps.x + (k & 1), y = taps.y + (k >> 1);
-    const float* pixel = interior   ? pixels_.pixel(x, y)
-                         : latlong_ ? latlong_pixel(x, y)
-                                    : pixels_.pixel(std::clamp(x, 0, last_x), std::clamp(y, 0, last_y));
-    add_weighted(pixel, taps.weight[k], pixels_.channels(), sum);
+    add_weighted(pixels_.pixel(taps.x + (k & 1), taps.y + (k >> 1)), taps.weight[k], pixels_.channels(), sum);
   }
 }
 
-/// Over the pole a row continues as itself, half a turn away.
-const float* SourcePicture::latlong_pixel(int x, int y) const {
-  const int width = pixels_.width(), height = pixels_.height();
-  if (y < 0 || y >= height) {
-    y = std::clamp(y < 0 ? -1 - y : 2 * height - 1 - y, 0, height - 1);
-    x += width / 2;
-  }
-  x %= width;
-  return pixels_.pixel(x < 0 ? x + width : x, y);
-}
-
-bool SourcePicture::near_rim(const Vec2& px) const {
-  const double reach = disc_->minor - kHalfDiagonal - std::numbers::sqrt2;  // within it all four taps are inside
-  return reach <= 0 || (disc_->squeezed(px) - disc_->centre).squaredNorm() > reach * reach;
-}
-
-bool SourcePicture::in_disc(int x, int y) const {
-  if (x < 0 || y < 0 || x >= pixels_.width() || y >= pixels_.height()) return false;
-  const double reach = std::max(0.0, disc_->minor - kHalfDiagonal);
-  return (disc_->squeezed({x + 0.5, y + 0.5}) - disc_->centre).squaredNorm() <= reach * reach;
-}
-
-/// The taps whose pixels are wholly inside the disc, their weights brought to 1. A position without such taps moves
-/// towards the centre until it has one.
-void SourcePicture::add_inside_disc(const Vec2& px, double* sum) const {
+/// The taps that there are, their weights brought to 1. A position without such taps moves towards the disc's centre
+/// until it has one.
+void SourcePicture::add_beside_edge(const Vec2& px, double* sum) const {
   constexpr double kLeastWeight = 0.25;
-  const Vec2& centre = disc_->centre;
-  Vec2 position = px;
-  for (double moved = 0; moved <= disc_->major; moved += 0.5) {
-    const Bilinear taps(position);
-    double inside[4], total = 0;
-    for (int k = 0; k < 4; ++k) {
-      inside[k] = in_disc(taps.x + (k & 1), taps.y + (k >> 1)) ? taps.weight[k] : 0;
-      total += inside[k];
+  const int region = neighbourhood_.region_of(px);
+  std::array<std::array<float, kMostChannels>, 4> values;
+  HDR_ASSERT(channels() <= kMostChannels);
+  const Vec2 centre = middle_.value_or(px);
+  const double radius = (px - centre).norm();
+  for (double moved = 0; moved <= radius; moved += 0.5) {
+    const Bilinear taps(moved == 0 ? px : Vec2(centre + (px - centre) * (radius - moved) / radius));
+    double weights[4], total = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool shown = taps.weight[k] > 0 && neighbourhood_.tap(region, taps.x + static_cast<int>(k & 1),
+                                                                  taps.y + static_cast<int>(k >> 1), values[k].data());
+      weights[k] = shown ? taps.weight[k] : 0;
+      total += weights[k];
     }
-    if (total >= kLeastWeight) {
-      for (int k = 0; k < 4; ++k) {
-        if (inside[k] == 0) continue;
-        add_weighted(pixels_.pixel(taps.x + (k & 1), taps.y + (k >> 1)), inside[k] / total, pixels_.channels(), sum);
-      }
-      return;
+    if (total < kLeastWeight) continue;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (weights[k] > 0) add_weighted(values[k].data(), weights[k] / total, channels(), sum);
     }
-    const double radius = (px - centre).norm();
-    position = centre + (px - centre) * std::max(0.0, radius - moved - 0.5) / std::max(radius, 1e-9);
+    return;
   }
   // A disc smaller than a pixel: the pixel that holds the position.
   const int x = std::clamp(static_cast<int>(px.x()), 0, pixels_.width() - 1);
@@ -111,15 +82,16 @@ void SourcePicture::add_inside_disc(const Vec2& px, double* sum) const {
 Vec2 SourcePicture::step(const Vec2& a, const Vec2& b) const {
   Vec2 d = b - a;
   const double width = pixels_.width();
-  if (latlong_ && d.x() > 0.5 * width) d.x() -= width;
-  if (latlong_ && d.x() < -0.5 * width) d.x() += width;
+  if (neighbourhood_.is_latlong() && d.x() > 0.5 * width) d.x() -= width;
+  if (neighbourhood_.is_latlong() && d.x() < -0.5 * width) d.x() += width;
   return d;
 }
 
 double SourcePicture::distance(const Vec2& a, const Vec2& b) const {
   constexpr double kLeastShortening = 0.25;  // no pixel is missed but within 15 degrees of the poles
   Vec2 d = step(a, b);
-  if (latlong_) d.x() *= std::max(kLeastShortening, std::sin(kPi * 0.5 * (a.y() + b.y()) / pixels_.height()));
+  if (neighbourhood_.is_latlong())
+    d.x() *= std::max(kLeastShortening, std::sin(kPi * 0.5 * (a.y() + b.y()) / pixels_.height()));
   return d.norm();
 }
 

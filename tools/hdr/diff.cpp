@@ -64,8 +64,7 @@ std::function<int(Run&)> declare_diff(CLI::App& app) {
     }
     if (options->cone) {
       const Projection projection = projection_of_probe("", a.map.projection, a.map.size(), options->a);
-      if (!std::holds_alternative<LatLong>(projection))
-        throw Error(options->a + ": --ignore-cones needs lat-long maps");
+      if (!is_plain_latlong(projection)) throw Error(options->a + ": --ignore-cones needs lat-long maps");
       mask = outside_cones(a.map.size(), *options->cone);
     }
     const Comparison result =

@@ -198,9 +198,8 @@ WriteOptions WriteFlags::options() const {
 }
 
 void UnwrapFlags::declare(CLI::App& app) {
-  app.add_option("--from", from,
-                 "what the picture is: latlong, angular, mirror-ball, rectilinear (default: its hdr:projection)");
-  app.add_option("--to", to, "what to write: latlong, angular, mirror-ball, rectilinear")->capture_default_str();
+  app.add_option("--from", from, std::string("what the picture is (default: its hdr:projection): ") + kProjectionNames);
+  app.add_option("--to", to, "what to write: the same, and cube-cross-vertical")->capture_default_str();
   app.add_option("--width", width, "width to write, pixels")->check(CLI::Range(1, 65536))->capture_default_str();
   app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")->capture_default_str();
   app.add_option("--distance", distance, "camera to the ball's centre, in ball radii (default: far)");
@@ -210,21 +209,91 @@ void UnwrapFlags::declare(CLI::App& app) {
       "rays of a ball beside the middle");
   app.add_option("--reflectance", reflectance,
                  "R,G,B: the share of light the ball gives back head-on, e.g. 0.55,0.56,0.55 for chrome; divided out");
+  app.add_option("--circle", circle,
+                 "a fisheye's image circle CX,CY,R in pixels, or auto: its hdr:projection's, else found")
+      ->capture_default_str();
   app.add_option("--fov", fov,
-                 "horizontal field of a rectilinear picture, degrees (default: its hdr:projection's, or 90)");
+                 "field in degrees of a rectilinear picture (horizontal) or across a fisheye's circle (default: its "
+                 "hdr:projection's, or 90 and 180)");
+  app.add_option("--lens", lens, "of a fisheye (default: its hdr:projection's, or equidistant)")
+      ->check(
+          CLI::IsMember({"equidistant", "equisolid", "stereographic", "orthographic", "polynomial", "kannala-brandt"}));
+  app.add_option("--lens-k", lens_k, "K1,K2,K3,K4 of a polynomial or kannala-brandt lens");
+  app.add_option("--distortion", distortion, "K1,K2,P1,P2,K3 of a rectilinear lens (Brown-Conrady, as OpenCV's)");
   app.add_option("--rotate", rotate, "X,Y,Z degrees: d_out = Rz Ry Rx d_in")->capture_default_str();
+  const auto conventions = CLI::IsMember(
+      {"openexr", "usd", "mitsuba", "blender", "threejs", "gltf", "pbrt", "alicevision", "hdrtoolbox", "opengl"});
+  app.add_option("--convention", convention, "which way round a program expects the lat-long or the cube to be written")
+      ->check(conventions)
+      ->capture_default_str();
+  app.add_option("--from-convention", from_convention, "likewise, of the lat-long or the cube that is read")
+      ->check(conventions);
 }
 
-std::pair<Projection, Size> UnwrapFlags::target() const {
-  const Size square{width, width}, wide{width, std::max(1, width / 2)};
-  auto projection = projection_from_text(to, square);
-  if (!projection) {
-    throw CLI::ValidationError("--to", "'" + to + "' is not one of latlong, angular, mirror-ball, rectilinear");
+namespace {
+
+std::vector<double> numbers_from_text(const std::string& text, const std::string& option, std::size_t count) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.empty() || parts.size() > count) {
+    throw Error(fmt::format("{}: '{}' is not 1 to {} numbers with commas between them", option, text, count));
   }
-  if (std::holds_alternative<LatLong>(*projection)) return {LatLong{wide}, wide};
-  if (auto* view = std::get_if<Rectilinear>(&*projection); view && fov) view->fov_degrees = *fov;
-  if (auto* ball_out = std::get_if<MirrorBall>(&*projection); ball_out && distance) ball_out->distance = *distance;
-  return {*projection, square};
+  std::vector<double> numbers;
+  for (const std::string& part : parts) numbers.push_back(number_from_text(part, option));
+  numbers.resize(count, 0);
+  return numbers;
+}
+
+/// --lens, --lens-k and --fov on a fisheye, --distortion and --fov on a rectilinear picture.
+void apply_lens(const UnwrapFlags& flags, Projection& projection, bool with_fov) {
+  if (auto* view = std::get_if<Rectilinear>(&projection)) {
+    if (flags.fov && with_fov) view->fov_degrees = *flags.fov;
+    if (!flags.distortion.empty()) {
+      const std::vector<double> d = numbers_from_text(flags.distortion, "--distortion", 5);
+      view->distortion = {d[0], d[1], d[2], d[3], d[4]};
+    }
+  }
+  if (auto* fisheye = std::get_if<Fisheye>(&projection)) {
+    if (flags.fov && with_fov) fisheye->fov_degrees = *flags.fov;
+    if (!flags.lens.empty()) fisheye->lens = lens_from_name(flags.lens).value();
+    if (!flags.lens_k.empty()) {
+      const std::vector<double> k = numbers_from_text(flags.lens_k, "--lens-k", 4);
+      std::copy(k.begin(), k.end(), fisheye->k.begin());
+    }
+  }
+}
+
+void apply_convention(Convention convention, Projection& projection) {
+  if (auto* map = std::get_if<LatLong>(&projection)) map->convention = convention;
+  if (auto* cube = std::get_if<Cube>(&projection)) cube->convention = convention;
+  if (auto* map = std::get_if<Octahedral>(&projection)) map->equal_area |= convention == Convention::kPbrt;
+}
+
+}  // namespace
+
+bool UnwrapFlags::target_has_field() const {
+  return to.starts_with(Fisheye::kName) || to.starts_with(Rectilinear::kName);
+}
+
+void UnwrapFlags::apply_to_source(Projection& source, bool with_fov) const {
+  apply_lens(*this, source, with_fov);
+  if (auto* fisheye = std::get_if<Fisheye>(&source); fisheye && circle != "auto") {
+    const Vec3 numbers = vec3_from_text(circle, "--circle");
+    fisheye->disc = {numbers.x(), numbers.y(), numbers.z()};
+  }
+  if (!from_convention.empty()) apply_convention(convention_from_name(from_convention).value(), source);
+  require_valid(source);
+}
+
+NewPicture UnwrapFlags::target() const {
+  auto picture = picture_of_width(to, width);
+  if (!picture) throw CLI::ValidationError("--to", fmt::format("'{}' is not one of {}", to, kProjectionNames));
+  if (auto* ball_out = std::get_if<MirrorBall>(&picture->projection); ball_out && distance) {
+    ball_out->distance = *distance;
+  }
+  apply_lens(*this, picture->projection, to.find("fov=") == std::string::npos);
+  apply_convention(convention_from_name(convention).value(), picture->projection);
+  require_valid(picture->projection);
+  return *picture;
 }
 
 }  // namespace hdr::tools

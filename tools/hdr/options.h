@@ -85,7 +85,8 @@ struct WriteFlags {
 };
 
 struct UnwrapFlags {
-  std::string from, to = "latlong", ball = "auto", rotate = "0,0,0";
+  std::string from, to = "latlong", ball = "auto", circle = "auto", rotate = "0,0,0";
+  std::string convention = "openexr", from_convention, lens, lens_k, distortion;
   std::optional<double> distance;
   std::optional<double> fov, camera_fov;
   std::string reflectance;
@@ -93,7 +94,11 @@ struct UnwrapFlags {
 
   void declare(CLI::App& app);
   /// The projection to write, and its size.
-  std::pair<Projection, Size> target() const;
+  NewPicture target() const;
+  /// What the options say of the picture's own lens and axes, beyond what `from` knows of it.
+  void apply_to_source(Projection& source, bool with_fov) const;
+  /// Whether what is written has a field that --fov could mean.
+  bool target_has_field() const;
 };
 
 }  // namespace hdr::tools

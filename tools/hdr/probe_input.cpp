@@ -5,7 +5,7 @@ namespace hdr::tools {
 void ProbeInput::declare(CLI::App& app, bool positional) {
   app.add_option(positional ? "probe" : "--probe", path, "a light probe: a map of the sphere")->required();
   app.add_option("--from", from,
-                 "its projection: latlong, angular, mirror-ball (default: its hdr:projection; 2:1 is latlong)");
+                 std::string("its projection (default: its hdr:projection; 2:1 is lat-long): ") + kProjectionNames);
 }
 
 Probe ProbeInput::read(Run& run) const {

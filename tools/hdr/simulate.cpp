@@ -13,6 +13,7 @@
 #include "libhdr/filter/resize.h"
 #include "libhdr/probe/photograph.h"
 #include "libhdr/probe/photographer.h"
+#include "libhdr/probe/test_chart.h"
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/probe_input.h"
 #include "tools/hdr/shots_output.h"
@@ -25,16 +26,20 @@ struct Options {
   std::optional<double> fov, distance, ball_radius;
   std::string ball_at, reflectance;
   std::optional<double> photographer;
-  bool ball = false;
+  bool ball = false, test_chart = false;
   double level = 0.18, full_well = 30000, read_noise = 5, shift = 0, tilt = 0;
   int depth = 8, quality = 95;
   std::uint64_t seed = 1;
 };
 
 void declare_options(CLI::App& app, Options& o) {
-  app.add_option("scene", o.scene, "a radiance map: a picture, or a lat-long with --fov or --ball")->required();
-  app.add_option("-o,--output", o.output, "folder for the shots, bracket.json and truth.exr")->required();
-  app.add_option("--times", o.times, "seconds, e.g. 1/1000,1/250,1/60")->required();
+  app.add_option("scene", o.scene, "a radiance map: a picture, or a lat-long with --fov or --ball");
+  app.add_option("-o,--output", o.output,
+                 "folder for the shots, bracket.json and truth.exr; with --test-chart a picture")
+      ->required();
+  app.add_option("--times", o.times, "seconds, e.g. 1/1000,1/250,1/60");
+  app.add_flag("--test-chart", o.test_chart,
+               "no scene and no shots: writes a lat-long whose colours and labels say each direction (--size's width)");
   app.add_option("--size", o.size, "of the shots, WxH (default: the scene's, 1500x1000 with --fov or --ball)");
   app.add_option("--fov", o.fov, "look into a lat-long through a lens of this horizontal field, degrees");
   app.add_option("--rotate", o.rotate, "turns the scene: X,Y,Z degrees")->capture_default_str();
@@ -93,7 +98,7 @@ Image<float> sensor_image(const Options& o, const ReadMap& scene, Size size, std
   const Mat3 scene_from_camera = rotation_from_degrees(vec3_from_text(o.rotate, "--rotate")).transpose();
   if (o.ball || o.fov) {
     const Projection projection = projection_of_probe("", scene.map.projection, scene.map.size(), o.scene);
-    if (!std::holds_alternative<LatLong>(projection)) {
+    if (!is_plain_latlong(projection)) {
       throw Error(o.scene + ": --ball and --fov need a lat-long scene; hdr unwrap makes one");
     }
   }
@@ -176,7 +181,27 @@ std::vector<double> valid_times(const Options& o) {
   return times;
 }
 
+/// A lat-long to unwrap into others' conventions: what it then shows proves them.
+int write_test_chart(Run& run, const Options& o) {
+  const int width = o.size.empty() ? 2048 : size_from_text(o.size, "--size").width;
+  if (width < 64) throw Error("--size: a test chart needs 64 pixels across; give WIDTHxHEIGHT");
+  RadianceMap chart;
+  chart.rgb = run.stage("chart", [&] { return test_chart(width); });
+  chart.projection = LatLong::kName;
+  Path output = o.output;
+  if (!output.has_extension()) {  // a folder, as for shots
+    std::filesystem::create_directories(output);
+    output /= "test-chart.exr";
+  }
+  run.stage("write", [&] { write_map(output, chart, provenance_of(run, Path{})); });
+  run.say("wrote " + output.string());
+  return 0;
+}
+
 int simulate(Run& run, const Options& o) {
+  if (o.test_chart) return write_test_chart(run, o);
+  if (o.scene.empty()) throw CLI::RequiredError("scene");
+  if (o.times.empty()) throw CLI::RequiredError("--times");
   const std::vector<double> times = valid_times(o);
   Sensor sensor = sensor_of(o);
   const Exposure optics{std::nullopt, 8.0, 100.0, 0};

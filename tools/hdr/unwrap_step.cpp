@@ -5,6 +5,7 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/find_ball.h"
+#include "libhdr/probe/find_image_circle.h"
 #include "libhdr/probe/reflectance.h"
 #include "libhdr/probe/unwrap.h"
 
@@ -52,6 +53,14 @@ MirrorBall ball_projection(Run& run, const RadianceMap& picture, const UnwrapFla
   return ball;
 }
 
+Disc image_circle(Run& run, const RadianceMap& picture, const std::string& source) {
+  const auto found = run.stage("find circle", [&] { return find_image_circle(picture.rgb); });
+  if (!found) throw Error(source + ": no image circle found; pass --circle CX,CY,R (pixels, y down)");
+  run.say(
+      fmt::format("circle: centre {:.2f}, {:.2f}, radius {:.2f} px", found->disc.cx, found->disc.cy, found->disc.r));
+  return found->disc;
+}
+
 RadianceMap copy_of(const RadianceMap& map) {
   RadianceMap copy;
   copy.rgb = map.rgb.clone();
@@ -77,7 +86,14 @@ RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFla
     run.say(fmt::format("ball: centre {:.2f}, {:.2f}, radius {:.2f} px{}", ball.disc.cx, ball.disc.cy, ball.disc.r,
                         std::isfinite(ball.distance) ? fmt::format(", camera at {:.2f} radii", ball.distance) : ""));
   }
-  if (auto* view = std::get_if<Rectilinear>(&from); view && flags.fov) view->fov_degrees = *flags.fov;
+  // A field that both pictures could have is that of what is written when the source's own tag has said its own.
+  const bool field_is_known = flags.from.empty() && flags.target_has_field();
+  flags.apply_to_source(from, !field_is_known);
+  if (auto* fisheye = std::get_if<Fisheye>(&from)) {
+    const bool known = !picture.projection.empty() || flags.from.find('=') != std::string::npos;
+    if (flags.circle == "auto" && !known) fisheye->disc = image_circle(run, picture, source);
+    run.answer["circle"] = {{"cx", fisheye->disc.cx}, {"cy", fisheye->disc.cy}, {"r", fisheye->disc.r}};
+  }
   const auto [to, size] = flags.target();
   // d_out = R d_in, so what the probe shows in direction d the picture shows in R^-1 d.
   const Mat3 picture_from_probe = rotation_from_degrees(vec3_from_text(flags.rotate, "--rotate")).transpose();

@@ -12,7 +12,4 @@ double solid_angle_density(const Projection& projection, const Vec2& px);
 /// The same on the optical axis, where pixels of these projections are square in angle; of a lat-long, on the horizon.
 double solid_angle_in_middle(const Projection& projection);
 
-/// The circle outside which the picture shows nothing.
-std::optional<Disc> disc_of(const Projection& projection);
-
 }  // namespace hdr

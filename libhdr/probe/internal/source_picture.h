@@ -4,13 +4,11 @@
 
 #include "libhdr/core/image.h"
 #include "libhdr/core/vec.h"
-#include "libhdr/probe/internal/ball_camera.h"
+#include "libhdr/probe/internal/neighbourhood.h"
 #include "libhdr/probe/projection.h"
 
 namespace hdr::internal {
 
-/// A lat-long wraps at its seam and continues over its poles. Elsewhere taps stay inside the frame, and in a picture
-/// with a disc inside the disc: the background beside a ball is not light that the ball reflected.
 class SourcePicture {
  public:
   SourcePicture(View<const float> pixels, const Projection& projection);
@@ -30,14 +28,11 @@ class SourcePicture {
   double distance(const Vec2& a, const Vec2& b) const;
 
  private:
-  void add_inside_disc(const Vec2& px, double* sum) const;
-  const float* latlong_pixel(int x, int y) const;
-  bool in_disc(int x, int y) const;
-  bool near_rim(const Vec2& px) const;
+  void add_beside_edge(const Vec2& px, double* sum) const;
 
   View<const float> pixels_;
-  bool latlong_;
-  std::optional<Ellipse> disc_;
+  Neighbourhood neighbourhood_;
+  std::optional<Vec2> middle_;  ///< of a disc
 };
 
 }  // namespace hdr::internal

@@ -303,6 +303,18 @@ TEST(ForeignExr, ALatLongEnvmapIsMovedToOurPixelCentres) {
   }
 }
 
+TEST(Map, OurCubeStripCarriesBothNamesAndIsNotMoved) {
+  const ScratchDir scratch;
+  RadianceMap map = made_up_map(8, 48);
+  map.projection = "cube-strip";
+  write_map(scratch / "a.exr", map, {}, {SampleType::kFloat, "piz"});
+  EXPECT_EQ(OIIO::ImageInput::open((scratch / "a.exr").string())->spec().get_string_attribute("textureformat"),
+            "CubeFace Environment");
+  const ReadMap back = read_map(scratch / "a.exr");
+  EXPECT_EQ(back.map.projection, "cube-strip");
+  EXPECT_EQ(differing_samples(map.rgb, back.map.rgb), 0);
+}
+
 TEST(Map, OurLatLongCarriesBothNamesAndIsNotMoved) {
   const ScratchDir scratch;
   RadianceMap map = made_up_map(32, 16);
