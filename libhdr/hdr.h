@@ -24,6 +24,7 @@
 #include "libhdr/core/version.h"
 
 #include "libhdr/io/bracket.h"        // read_bracket: SHOTS with their exposures
+#include "libhdr/io/bracket_report.h"  // what a bracket covers and lacks
 #include "libhdr/io/demosaic.h"       // three colours from a Bayer mosaic
 #include "libhdr/io/dng.h"            // raw photographs in files
 #include "libhdr/io/exposure_list.h"  // exposures from a text file
@@ -41,7 +42,9 @@
 #include "libhdr/align/warp.h"   // a registered shot as a photograph
 #include "libhdr/merge/merge.h"  // bracket -> radiance map
 
+#include "libhdr/filter/blur.h"     // Gaussian and motion blur, on the plane and on the sphere
 #include "libhdr/filter/compare.h"  // how far apart two maps are
+#include "libhdr/filter/fuse.h"     // a picture straight from the shots
 #include "libhdr/filter/resize.h"
 #include "libhdr/filter/tonemap.h"  // for looking
 

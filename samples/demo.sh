@@ -8,6 +8,7 @@ photographs=()
 for file in "$@"; do photographs+=("$(realpath "$file")"); done
 cd "$(dirname "$0")/.."
 source samples/packages.sh
+source samples/world.sh
 
 install_packages "${HDR_BUILD_PACKAGES[@]}"
 if [ ! -f build/release/build.ninja ]; then cmake --preset release -DHDR_BUILD_TESTS=OFF >/dev/null; fi
@@ -30,20 +31,9 @@ stage() {
   stages+=("$(awk -v a="$start" -v b="$end" -v n="$name" 'BEGIN { printf "  %-10s %6.1f s", n, b - a }')")
 }
 
-# A real place, 17 stops deep: an HDR map (CC0, from Poly Haven) out of Debian's blender-data.
 world=$work/world.exr
-get_world() {
-  local package=$work/blender-data
-  mkdir -p "$package"
-  (cd "$package" && apt-get -qq download blender-data 2>/dev/null) ||
-    { as_root apt-get -qq update && (cd "$package" && apt-get -qq download blender-data); }
-  dpkg-deb -x "$package"/blender-data_*.deb "$package"
-  cp "$package/usr/share/blender/datafiles/studiolights/world/city.exr" "$world"
-  rm -rf "$package"
-}
-
 if [ ${#photographs[@]} = 0 ]; then
-  [ -f "$world" ] || get_world
+  [ -f "$world" ] || get_world "$world"
   rm -rf "$work/shots"
   # Seven shots 2 EV apart, and one off that grid: steps that are all alike leave the response ambiguous.
   stage simulate "$hdr" simulate "$world" --ball --ball-radius 680 --size 2000x1500 -o "$work/shots" --quiet \

@@ -4,30 +4,48 @@
 #include <cmath>
 #include <vector>
 
-#include "libhdr/core/color.h"
-#include "libhdr/core/parallel.h"
+#include "libhdr/filter/internal/display.h"
+#include "libhdr/filter/internal/local_tone.h"
+#include "libhdr/filter/internal/quantile.h"
 
 namespace hdr {
 namespace {
 
-double pixel_luminance(const float* p) {
-  return luminance<double>(p[0], p[1], p[2]);
+using internal::displayed;
+using internal::pixel_luminance;
+
+/// Extended Reinhard.
+Image<std::uint8_t> reinhard(View<const float> rgb, double stops, View<const float> alpha) {
+  const double gain = std::exp2(stops);
+  // A white below 1 would brighten the picture instead of making room for highlights.
+  const double white = std::max(1.0, gain * internal::luminance_quantile(rgb, 0.999));
+  return displayed(rgb, alpha, [&](int, int, const float* p, double* out) {
+    // [Reinhard02] eq. 4: L_d = L (1 + L / L_white^2) / (1 + L); the colour keeps its ratios.
+    const double value = gain * pixel_luminance(p);
+    const double shoulder = gain * (1 + value / (white * white)) / (1 + value);
+    for (int c = 0; c < 3; ++c) out[c] = shoulder * p[c];
+  });
 }
 
-/// The luminance that 99.9 % of the pixels do not exceed.
-double white_of(View<const float> rgb) {
-  std::vector<float> values;
-  values.reserve(static_cast<std::size_t>(rgb.width()) * static_cast<std::size_t>(rgb.height()));
-  for (int y = 0; y < rgb.height(); ++y)
-    for (int x = 0; x < rgb.width(); ++x) values.push_back(static_cast<float>(pixel_luminance(rgb.pixel(x, y))));
-  if (values.empty()) return 0;
-  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), rank, values.end());
-  return *rank;
+/// [Hable10]: U2Func with its published constants, an exposure bias of 2, white at 11.2.
+double hable(double x) {
+  constexpr double kA = 0.15, kB = 0.50, kC = 0.10, kD = 0.20, kE = 0.02, kF = 0.30;
+  return (x * (kA * x + kC * kB) + kD * kE) / (x * (kA * x + kB) + kD * kF) - kE / kF;
 }
 
-std::uint8_t code_from_linear(double x) {
-  return static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(x)));
+Image<std::uint8_t> filmic(View<const float> rgb, double stops, View<const float> alpha) {
+  constexpr double kBias = 2, kWhite = 11.2;
+  const double gain = kBias * std::exp2(stops), per_white = 1 / hable(kWhite);
+  return displayed(rgb, alpha, [&](int, int, const float* p, double* out) {
+    for (int c = 0; c < 3; ++c) out[c] = hable(std::max(0.0, gain * p[c])) * per_white;
+  });
+}
+
+Image<std::uint8_t> clip(View<const float> rgb, double stops, View<const float> alpha) {
+  const double gain = std::exp2(stops);
+  return displayed(rgb, alpha, [&](int, int, const float* p, double* out) {
+    for (int c = 0; c < 3; ++c) out[c] = gain * p[c];
+  });
 }
 
 }  // namespace
@@ -47,29 +65,26 @@ double metered_stops(View<const float> rgb) {
   return std::log2(0.18) - sum / static_cast<double>(count);
 }
 
-Image<std::uint8_t> tonemap(View<const float> rgb, double stops, View<const float> alpha) {
-  HDR_ASSERT(rgb.channels() == 3);
-  HDR_ASSERT(alpha.empty() || alpha.size() == rgb.size());
-  const double gain = std::exp2(stops);
-  // A white below 1 would brighten the picture instead of making room for highlights.
-  const double white = std::max(1.0, gain * white_of(rgb));
-  const int channels = alpha.empty() ? 3 : 4;
-  Image<std::uint8_t> codes(rgb.size(), channels);
-  for_rows(rgb.height(), 16, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < rgb.width(); ++x) {
-        const float* p = rgb.pixel(x, y);
-        // [Reinhard02] eq. 4: L_d = L (1 + L / L_white^2) / (1 + L); the colour keeps its ratios.
-        const double value = gain * pixel_luminance(p);
-        const double shoulder = gain * (1 + value / (white * white)) / (1 + value);
-        for (int c = 0; c < 3; ++c) codes(x, y, c) = code_from_linear(shoulder * p[c]);
-        if (channels == 4) {
-          codes(x, y, 3) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(alpha(x, y), 0.0f, 1.0f)));
-        }
-      }
-    }
-  });
-  return codes;
+std::optional<ToneOperator> tone_operator_from_name(const std::string& name) {
+  if (name == "reinhard") return ToneOperator::kReinhard;
+  if (name == "filmic") return ToneOperator::kFilmic;
+  if (name == "local" || name == "bilateral") return ToneOperator::kLocal;
+  if (name == "clip") return ToneOperator::kClip;
+  return std::nullopt;
+}
+
+Image<std::uint8_t> tonemap(View<const float> rgb, double stops, View<const float> alpha, ToneOperator tone) {
+  switch (tone) {
+    case ToneOperator::kFilmic:
+      return filmic(rgb, stops, alpha);
+    case ToneOperator::kLocal:
+      return internal::local_tone(rgb, stops, alpha);
+    case ToneOperator::kClip:
+      return clip(rgb, stops, alpha);
+    case ToneOperator::kReinhard:
+      break;
+  }
+  return reinhard(rgb, stops, alpha);
 }
 
 }  // namespace hdr

@@ -1,4 +1,4 @@
-// The three sample programs, as a reader of the README would run them.
+// The sample programs, as a reader of the README would run them.
 #include "libhdr/io/read.h"
 #include "tests/cli/fixture.h"
 
@@ -25,6 +25,18 @@ TEST(Samples, PhotographsToProbeToPicture) {
   EXPECT_NE(render.out.find("irradiance"), std::string::npos);
   EXPECT_EQ(read_photo(scratch / "render.png").size(), (Size{320, 240}));
   EXPECT_EQ(run_command({folder + "bracket_to_probe"}).exit_code, 1) << "misuse is said, not a crash";
+}
+
+TEST(Samples, HdrVersusLdrIsOnePictureAnOperation) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr");
+  const std::string program = std::string(HDR_BUILD_DIR) + "/samples/hdr_versus_ldr";
+  const CommandResult result = run_command({program, (scratch / "world.exr").string(), (scratch / "out").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* name : {"gaussian", "motion", "exposure", "harmonics"}) {
+    const Photo picture = read_photo(scratch.path() / "out" / (std::string(name) + ".png"));
+    EXPECT_EQ(picture.size(), (Size{1446, 726})) << name;
+  }
 }
 
 }  // namespace

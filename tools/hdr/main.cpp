@@ -36,6 +36,11 @@ constexpr Verb kVerbs[] = {
     {"lights", "light", "a probe as N directional lights", "hdr lights probe.exr -n 64 -o lights.usda", declare_lights},
     {"render", "light", "a test render lit by a probe", "hdr render --probe probe.exr -o render.exr", declare_render},
     {"tonemap", "pictures", "a map -> a PNG or JPEG to look at", "hdr tonemap probe.exr -o probe.png", declare_tonemap},
+    {"fuse", "pictures", "a bracket -> one picture to look at, without a radiance map", "hdr fuse shots/ -o fused.png",
+     declare_fuse},
+    {"filter", "pictures", "blurs in linear light, exposure in stops", "hdr filter probe.exr -o soft.exr --gaussian 20",
+     declare_filter},
+    {"convert", "pictures", "the same light in another format", "hdr convert map.hdr map.exr", declare_convert},
     {"diff", "pictures", "how far apart two maps are", "hdr diff probe.exr truth.exr --scale channel", declare_diff},
 };
 

@@ -65,6 +65,9 @@ std::function<int(Run&)> declare_sh(CLI::App& app);
 std::function<int(Run&)> declare_lights(CLI::App& app);
 std::function<int(Run&)> declare_render(CLI::App& app);
 std::function<int(Run&)> declare_tonemap(CLI::App& app);
+std::function<int(Run&)> declare_fuse(CLI::App& app);
+std::function<int(Run&)> declare_filter(CLI::App& app);
+std::function<int(Run&)> declare_convert(CLI::App& app);
 std::function<int(Run&)> declare_diff(CLI::App& app);
 
 }  // namespace hdr::tools
