@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
@@ -32,20 +33,40 @@ constexpr std::string_view kScheme = "libcamera:";
 /// For calls that talk to the device.
 constexpr std::chrono::milliseconds kPatience{4000};
 
-/// libcamera's manager, of which a process may have one: made for the first camera, gone with the last.
-std::shared_ptr<libcamera::CameraManager> manager() {
-  static std::mutex mutex;
-  static std::weak_ptr<libcamera::CameraManager> current;
-  const std::lock_guard lock(mutex);
-  if (auto running = current.lock()) return running;
-  // Its errors come back to us as numbers; a line on the person's screen for each camera is too much.
-  if (!std::getenv("LIBCAMERA_LOG_LEVELS")) libcamera::logSetTarget(libcamera::LoggingTargetNone);
-  auto made = std::make_shared<libcamera::CameraManager>();
-  if (made->start() != 0) throw CameraError(Kind::kNotSupported, "libcamera does not start on this machine");
-  std::shared_ptr<libcamera::CameraManager> stopping(made.get(), [made](libcamera::CameraManager* m) { m->stop(); });
-  current = stopping;
-  return stopping;
-}
+/// libcamera's manager, of which a process may have one at a time: made for the first camera, gone with the last, so
+/// that its threads have ended before the program's static objects do.
+class SharedManager {
+ public:
+  static std::shared_ptr<libcamera::CameraManager> get() {
+    static SharedManager& shared = *new SharedManager;  // a camera may be let go on a thread that outlives main()
+    std::unique_lock lock(shared.mutex_);
+    if (auto running = shared.current_.lock()) return running;
+    // The last one may still be ending, on another thread.
+    if (!shared.ended_.wait_for(lock, kPatience, [] { return !shared.exists_; })) {
+      throw v4l2::error_of(ETIMEDOUT, During::kOpen, "libcamera", "starting it");
+    }
+    // Its errors come back to us as numbers; a line on the person's screen for each camera is too much.
+    if (!std::getenv("LIBCAMERA_LOG_LEVELS")) libcamera::logSetTarget(libcamera::LoggingTargetNone);
+    auto made = std::make_unique<libcamera::CameraManager>();
+    if (made->start() != 0) throw CameraError(Kind::kNotSupported, "libcamera does not start on this machine");
+    shared.exists_ = true;
+    std::shared_ptr<libcamera::CameraManager> running(made.release(), [](libcamera::CameraManager* ending) {
+      ending->stop();
+      delete ending;
+      const std::lock_guard ended(shared.mutex_);
+      shared.exists_ = false;
+      shared.ended_.notify_all();
+    });
+    shared.current_ = running;
+    return running;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::weak_ptr<libcamera::CameraManager> current_;
+  bool exists_ = false;
+};
 
 /// libcamera leaves out devices that it may not open.
 bool some_device_is_forbidden() {
@@ -115,7 +136,7 @@ void LibcameraCamera::require(const std::string& what, std::function<int()> call
 
 LibcameraCamera::LibcameraCamera(const std::string& uri, v4l2::Uri wanted) : wanted_(std::move(wanted)) {
   capabilities_.uri = uri;
-  manager_ = within_patience<std::shared_ptr<libcamera::CameraManager>>("starting libcamera", [] { return manager(); });
+  manager_ = within_patience<std::shared_ptr<libcamera::CameraManager>>("starting libcamera", SharedManager::get);
   camera_ = find_camera(*manager_, wanted_.path, uri);
   const auto model = camera_->properties().get(libcamera::properties::Model);
   capabilities_.name = model ? std::string(*model) : camera_->id();
@@ -126,8 +147,16 @@ LibcameraCamera::LibcameraCamera(const std::string& uri, v4l2::Uri wanted) : wan
 
 LibcameraCamera::~LibcameraCamera() {
   stop();
-  worker_.run<int>([camera = camera_, configuration = std::move(configuration_)] { return camera->release(); },
-                   Clock::now() + kPatience);
+  // All is let go before the answer, so that libcamera's last user is this thread.
+  worker_.run<int>(
+      [camera = std::move(camera_), configuration = std::move(configuration_), manager = manager_]() mutable {
+        camera->release();
+        configuration.reset();
+        camera.reset();
+        manager.reset();
+        return 0;
+      },
+      Clock::now() + kPatience);
 }
 
 void LibcameraCamera::enumerate_formats() {
@@ -247,7 +276,13 @@ void LibcameraCamera::stop() {
   restore_on_signal_.reset();
   constexpr std::chrono::milliseconds kLastRequest{500};
   if (!stream_->gone()) stream_->send_last(lc::automatic(*camera_), kLastRequest);
-  worker_.run<int>([stream = std::move(stream_)] { return stream->stop(); }, Clock::now() + kPatience);
+  worker_.run<int>(
+      [stream = std::move(stream_)]() mutable {
+        stream->stop();
+        stream.reset();
+        return 0;
+      },
+      Clock::now() + kPatience);
   stream_.reset();
 }
 
@@ -255,7 +290,8 @@ void LibcameraCamera::stop() {
 
 std::vector<CameraName> list_libcamera_cameras() {
   std::vector<CameraName> cameras;
-  for (const auto& camera : manager()->cameras()) {
+  const auto all = SharedManager::get();  // it outlives the cameras
+  for (const auto& camera : all->cameras()) {
     const auto model = camera->properties().get(libcamera::properties::Model);
     cameras.push_back({std::string(kScheme) + camera->id(), model ? std::string(*model) : camera->id()});
   }

@@ -21,6 +21,8 @@ namespace controls = libcamera::controls;
 using libcamera::Span;
 
 constexpr double kMicrosecond = 1e-6;
+/// USB cameras count in these [UVC 1.1, 4.2.2.1.4], and libcamera cuts off what is between.
+constexpr double kUsbStep = 1e-4;
 
 const libcamera::ControlInfo* find(const libcamera::Camera& camera, const libcamera::ControlId& id) {
   const auto& all = camera.controls();
@@ -42,6 +44,10 @@ void describe_exposure(const libcamera::Camera& camera, Capabilities& capabiliti
   if (seconds) {
     const auto least = std::max(1, seconds->min().get<std::int32_t>());
     capabilities.seconds = {least * kMicrosecond, seconds->max().get<std::int32_t>() * kMicrosecond, 0};
+    if (!drives_the_sensor(camera)) {
+      capabilities.seconds.step = kUsbStep;
+      capabilities.seconds.min = kUsbStep * std::max(1.0, std::ceil(capabilities.seconds.min / kUsbStep - 1e-6));
+    }
   }
   capabilities.reports_exposure = drives_the_sensor(camera);
   if (!drives_the_sensor(camera)) return;
