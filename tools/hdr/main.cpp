@@ -11,6 +11,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/photo.h"
 #include "libhdr/core/version.h"
+#include "tools/hdr/command.h"
 #include "tools/hdr/verb.h"
 
 namespace hdr::tools {
@@ -135,6 +136,8 @@ int run_verb(const Verb& verb, int argc, char** argv) {
   return 1;
 }
 
+}  // namespace
+
 int main(int argc, char** argv) {
   const std::string_view name = argc > 1 ? argv[1] : "";
   if (name.empty() || name == "--help" || name == "-h" || name == "help") {
@@ -153,9 +156,4 @@ int main(int argc, char** argv) {
   return run_verb(*verb, argc - 1, argv + 1);
 }
 
-}  // namespace
 }  // namespace hdr::tools
-
-int main(int argc, char** argv) {
-  return hdr::tools::main(argc, argv);
-}
