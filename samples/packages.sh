@@ -12,6 +12,10 @@ HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)
 # What the programs of tests/bench measure against; without it they run, and say that the rival is not there.
 HDR_BENCH_PACKAGES=(libopencv-photo-dev)
 
+# What its tests with real camera drivers need besides (tests/camera): cameras through libcamera, and a virtual machine,
+# whose kernel is fetched but not installed. Without them those tests are skipped, and say so.
+HDR_CAMERA_PACKAGES=(libcamera-dev qemu-system-x86 busybox-static cpio kmod python3 udev)
+
 # Runs as root: directly, or through sudo.
 as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi

@@ -1,6 +1,7 @@
 #include "tests/camera/simulator.h"
 
 #include <fcntl.h>
+#include <linux/videodev2.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,9 +16,21 @@
 #include <stdexcept>
 #include <thread>
 
+#include "capture/v4l2/v4l2_controls.h"
 #include "tests/camera/uvc/scene.h"
+#include "tests/support/support.h"
 
 namespace hdr::test {
+namespace {
+
+/// libcamera finds what udevd knows: waits until it has seen what was plugged or pulled.
+void let_udev_settle() {
+  if (!std::filesystem::exists("/run/udev/control")) return;
+  const CommandResult result = run_command({"udevadm", "settle", "--timeout=60"});
+  if (result.exit_code != 0) throw std::runtime_error("udevadm settle: " + result.err);
+}
+
+}  // namespace
 
 Simulator::Simulator(std::vector<std::string> options) {
   char name[] = "/tmp/uvc_sim.XXXXXX";
@@ -43,6 +56,7 @@ Simulator::Simulator(std::vector<std::string> options) {
   for (char c = 0; read(out[0], &c, 1) == 1 && c != '\n';) node_ += c;
   close(out[0]);
   if (node_.empty()) throw std::runtime_error("the simulated camera did not come up");
+  let_udev_settle();
 }
 
 Simulator::~Simulator() {
@@ -51,10 +65,22 @@ Simulator::~Simulator() {
   for (int k = 0; k < 200 && std::filesystem::exists(node_); ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   std::filesystem::remove(log_);
+  let_udev_settle();
 }
 
 void Simulator::unplug() const {
   kill(process_, SIGUSR1);
+}
+
+std::vector<std::int64_t> Simulator::settings() const {
+  v4l2::Device device("v4l2:" + node_, node_);
+  const v4l2::Controls controls(device);
+  std::vector<std::int64_t> values;
+  for (const std::uint32_t id : {V4L2_CID_EXPOSURE_AUTO, V4L2_CID_EXPOSURE_AUTO_PRIORITY, V4L2_CID_AUTO_WHITE_BALANCE,
+                                 V4L2_CID_WHITE_BALANCE_TEMPERATURE, V4L2_CID_GAIN}) {
+    values.push_back(controls.get(id));
+  }
+  return values;
 }
 
 std::vector<Simulator::Used> Simulator::used() const {

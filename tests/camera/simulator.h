@@ -1,5 +1,6 @@
 #pragma once
 // The simulated USB camera, for tests inside the virtual machine.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ class Simulator {
   Simulator& operator=(const Simulator&) = delete;
 
   const std::string& node() const { return node_; }  ///< "/dev/video0"
+  /// Modes of exposure, frame rate and white balance, its temperature, and gain.
+  std::vector<std::int64_t> settings() const;
   void unplug() const;
 
   /// What the sensor really used, for frame `sequence` of the stream-th STREAMON.

@@ -1,6 +1,5 @@
 // The V4L2 camera over the kernel's own uvcvideo driver and the simulated camera. Runs in the virtual machine only.
 #include <gtest/gtest.h>
-#include <linux/videodev2.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -217,30 +216,19 @@ TEST(V4l2, HeldFramesOutliveTheStreamAndExhaustIt) {
   EXPECT_NO_THROW(camera->next_frame(Clock::now() + 3s));
 }
 
-std::vector<std::int64_t> settings_of(const std::string& node) {
-  v4l2::Device device("v4l2:" + node, node);
-  const v4l2::Controls controls(device);
-  std::vector<std::int64_t> values;
-  for (const std::uint32_t id : {V4L2_CID_EXPOSURE_AUTO, V4L2_CID_EXPOSURE_AUTO_PRIORITY, V4L2_CID_AUTO_WHITE_BALANCE,
-                                 V4L2_CID_WHITE_BALANCE_TEMPERATURE, V4L2_CID_GAIN}) {
-    values.push_back(controls.get(id));
-  }
-  return values;
-}
-
 TEST(V4l2, SettingsAreGivenBackAtTheEnd) {
   const Simulator simulator;
-  const auto before = settings_of(simulator.node());
+  const auto before = simulator.settings();
   const auto camera = open_simulated(simulator);
   camera->start({0.01, 4});
-  EXPECT_NE(settings_of(simulator.node()), before);
+  EXPECT_NE(simulator.settings(), before);
   camera->stop();
-  EXPECT_EQ(settings_of(simulator.node()), before);
+  EXPECT_EQ(simulator.settings(), before);
 }
 
 TEST(V4l2, SettingsAreGivenBackOnASignal) {
   const Simulator simulator;
-  const auto before = settings_of(simulator.node());
+  const auto before = simulator.settings();
   const pid_t child = fork();
   if (child == 0) {
     const auto camera = open_simulated(simulator);
@@ -253,7 +241,7 @@ TEST(V4l2, SettingsAreGivenBackOnASignal) {
   int status = 0;
   waitpid(child, &status, 0);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
-  EXPECT_EQ(settings_of(simulator.node()), before);
+  EXPECT_EQ(simulator.settings(), before);
 }
 
 }  // namespace

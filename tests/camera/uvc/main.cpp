@@ -1,7 +1,8 @@
 // uvc_sim [options]: a USB camera that the kernel's own uvcvideo drives, attached through vhci-hcd. Prints the path of
 // its video node when it is there, and stays until standard input is closed; SIGUSR1 pulls the cable.
 //   --latency N  --noise  --seed N  --max-exposure N (100 us)  --log FILE
-//   --no-manual-exposure  --refuse-exposure  --silent-exposure  --damage-every N  --lose-every N  --unplug-at-frame N
+//   --no-manual-exposure  --refuse-exposure  --silent-exposure  --damage-every N  --lose-every N
+//   --unplug-at-frame N  --freeze-at-frame N
 #include <poll.h>
 #include <unistd.h>
 
@@ -60,6 +61,7 @@ int run(int argc, char** argv) {
       {"--silent-exposure", [&] { faults.exposure_silent = true; }},
       {"--damage-every", [&] { faults.damaged_every = std::stoi(value()); }},
       {"--lose-every", [&] { faults.lost_every = std::stoi(value()); }},
+      {"--freeze-at-frame", [&] { faults.freeze_at_frame = std::stoi(value()); }},
       {"--unplug-at-frame", [&] { faults.unplug_at_frame = std::stoi(value()); }},
   };
   for (; i < argc; ++i) {

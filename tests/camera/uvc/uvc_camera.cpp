@@ -64,7 +64,7 @@ UvcCamera::UvcCamera(const SensorOptions& sensor, const Faults& faults, const st
 bool UvcCamera::serve(double seconds) {
   double wait = seconds;
   if (streaming_ && !payload_.empty()) wait = 0;
-  if (streaming_ && payload_.empty()) wait = std::clamp(next_frame_at_ - now_seconds(), 0.0, seconds);
+  if (streaming_ && payload_.empty() && !frozen()) wait = std::clamp(next_frame_at_ - now_seconds(), 0.0, seconds);
   if (const auto request = usb_.receive(wait)) handle(*request);
   stream(now_seconds());
   return usb_.attached();
@@ -299,7 +299,7 @@ void UvcCamera::stop_streaming() {
 void UvcCamera::stream(double now) {
   if (!streaming_ || waiting_.empty()) return;
   if (payload_.empty()) {
-    if (now < next_frame_at_) return;
+    if (now < next_frame_at_ || frozen()) return;
     take_frame(now);
   }
   send_frame();

@@ -18,6 +18,7 @@ struct Faults {
   int damaged_every = 0;          ///< every n-th frame is cut in half and has the error bit; 0: none
   int lost_every = 0;             ///< every n-th frame comes without data
   int unplug_at_frame = -1;
+  int freeze_at_frame = -1;  ///< it stays plugged in, and no frame comes any more
 };
 
 class UvcCamera {
@@ -43,6 +44,7 @@ class UvcCamera {
   Answer set_unit(int entity, int selector, const Bytes& data);
 
   void stream(double now);
+  bool frozen() const { return frame_number_ == faults_.freeze_at_frame; }
   void take_frame(double now);
   void send_frame();
   void stop_streaming();

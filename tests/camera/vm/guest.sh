@@ -12,17 +12,20 @@ finish() {
 for port in /sys/class/virtio-ports/*; do exec >"/dev/${port##*/}" 2>&1; done
 source /run/share/job
 
-# libcamera names a USB camera after the nearest ancestor with a firmware node, and the simulated host controller, a
-# platform device, has none: lay one over sysfs, and let libudev accept files that are not sysfs's own.
-give_simulated_host_a_firmware_node() {
-  local node=/run/firmware/vhci_hcd.0/firmware_node
-  mkdir -p "$node"
-  printf '\\_SB_.SIM0\n' >"$node/path"
-  mount -t overlay -o lowerdir=/run/firmware:/sys/devices/platform firmware /sys/devices/platform
-  export SYSTEMD_DEVICE_VERIFY_SYSFS=0
+# libcamera names a USB camera after the nearest ancestor in sysfs with a firmware node, and the simulated host controller,
+# a platform device, has none above it: give the root of sysfs one. Its folders are bound onto a memory file system, so all
+# below them is sysfs's own, as udev demands.
+give_sysfs_a_firmware_node() {
+  mkdir /run/sysfs && mount -t sysfs sysfs /run/sysfs && mount -t tmpfs -o mode=755 sysfs /sys || return
+  local folder
+  for folder in /run/sysfs/*; do
+    mkdir "/sys/${folder##*/}" && mount --bind "$folder" "/sys/${folder##*/}" || return
+  done
+  mkdir /sys/firmware_node && printf '\\_SB_\n' >/sys/firmware_node/path
 }
 
 if [ "$UDEV" = yes ]; then
+  give_sysfs_a_firmware_node || { echo "guest: no firmware node"; finish 125; }
   SYSTEMD_IN_CHROOT=0 /lib/systemd/systemd-udevd --daemon >/dev/null 2>&1 || { echo "guest: no udevd"; finish 125; }
 fi
 for module in "${MODULES[@]}"; do
@@ -30,7 +33,6 @@ for module in "${MODULES[@]}"; do
   modprobe $module || { echo "guest: modprobe $module failed"; finish 125; }
 done
 if [ "$UDEV" = yes ]; then
-  [ ! -d /sys/devices/platform/vhci_hcd.0 ] || give_simulated_host_a_firmware_node
   udevadm trigger --subsystem-match=video4linux --subsystem-match=media --subsystem-match=usb
   udevadm settle --timeout=30
 fi

@@ -19,6 +19,7 @@ python3 python3
 busybox busybox-static
 PROGRAMS
 busybox=$(command -v busybox)
+[ -x /lib/systemd/systemd-udevd ] || skip "udevd is not installed; apt-get install udev"
 if ldd "$busybox" >/dev/null 2>&1; then skip "busybox needs shared libraries; apt-get install busybox-static"; fi
 
 mkdir -p "$cache" 2>/dev/null || skip "$cache cannot be made; set HDR_VM_CACHE"
@@ -29,7 +30,12 @@ if [ "$(cat "$cache/stamp" 2>/dev/null)" = "$stamp" ]; then exit 0; fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-kernel_package=$(apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image-[0-9]/ {print $2; exit}')
+offered_kernel() { apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image-[0-9]/ {print $2; exit}'; }
+kernel_package=$(offered_kernel)
+if [ -z "$kernel_package" ] && [ "$(id -u)" = 0 ]; then
+  apt-get -qq -o DPkg::Lock::Timeout=600 update >/dev/null 2>&1 || true
+  kernel_package=$(offered_kernel)
+fi
 [ -n "$kernel_package" ] || skip "apt offers no linux-image-amd64"
 (cd "$work" && apt-get -qq -o DPkg::Lock::Timeout=600 -o APT::Sandbox::User=root download "$kernel_package") 2>"$work/error" ||
   skip "apt-get download $kernel_package: $(tail -n 1 "$work/error")"
