@@ -63,6 +63,7 @@
 #include "libhdr/light/horizontal_irradiance.h"  // what a lux meter would read
 #include "libhdr/light/lights.h"       // N directional lights
 #include "libhdr/light/lights_text.h"  // for USD and Radiance
+#include "libhdr/light/prefilter.h"    // for real-time engines
 #include "libhdr/light/sh.h"           // project, irradiance, rotated
 #include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing

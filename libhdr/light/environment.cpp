@@ -12,10 +12,6 @@
 namespace hdr {
 namespace {
 
-double pixel_luminance(const float* p) {
-  return luminance<double>(p[0], p[1], p[2]);
-}
-
 // Share of the sphere above polar angle theta: (1 - cos theta) / 2, without the cancellation near the pole.
 double share_above(double polar) {
   const double s = std::sin(0.5 * polar);
@@ -38,39 +34,46 @@ Place place_of(const Vec3f& dir, Size size) {
   return {x, y, std::clamp(column - x, 0.0, 1.0), std::clamp(down, 0.0, 1.0)};
 }
 
+Rgb power_of(View<const float> map) {
+  return reduce_rows(
+      map.height(), 16, Rgb(Rgb::Zero()),
+      [&](int first, int last) {
+        Rgb part = Rgb::Zero();
+        for (int y = first; y < last; ++y) {
+          Rgb row = Rgb::Zero();
+          for (int x = 0; x < map.width(); ++x) {
+            const float* p = map.pixel(x, y);
+            row += Rgb(p[0], p[1], p[2]);
+          }
+          part += latlong_pixel_solid_angle(y, map.width(), map.height()) * row;
+        }
+        return part;
+      },
+      [](Rgb& total, const Rgb& part) { total += part; });
+}
+
 }  // namespace
 
-Environment::Environment(Image<float> latlong) : map_(std::move(latlong)) {
+Environment::Environment(Image<float> latlong, Density density) : map_(std::move(latlong)) {
   HDR_ASSERT(map_.channels() == 3 && !map_.empty());
-  const int width = map_.width(), height = map_.height();
-  columns_.resize(static_cast<std::size_t>(height));
-  std::vector<Rgb> row_sum(static_cast<std::size_t>(height), Rgb::Zero());
-  for_rows(height, 16, [&](int first, int last) {
-    std::vector<double> weights(static_cast<std::size_t>(width));
-    for (int y = first; y < last; ++y) {
-      const auto row = static_cast<std::size_t>(y);
-      for (int x = 0; x < width; ++x) {
-        const float* p = map_.pixel(x, y);
-        weights[static_cast<std::size_t>(x)] = pixel_luminance(p);
-        row_sum[row] += Rgb(p[0], p[1], p[2]);
-      }
-      columns_[row] = StepDistribution(weights);
-    }
-  });
-  std::vector<double> row_weights, row_solid_angles;
-  for (int y = 0; y < height; ++y) {
-    const auto row = static_cast<std::size_t>(y);
-    row_solid_angles.push_back(latlong_pixel_solid_angle(y, width, height));
-    row_weights.push_back(row_solid_angles[row] * columns_[row].total());
-    power_ += row_solid_angles[row] * row_sum[row];
+  power_ = power_of(map_);
+  const double mean = luminance(power_[0], power_[1], power_[2]) / (4 * kPi);
+  weigh(density == Density::kCompensated ? mean : 0);
+  // Nothing above its mean (by more than rounding): a grey map, which is sampled as it is.
+  if (density == Density::kCompensated && !(total_ > 1e-9 * mean)) weigh(0);
+}
+
+void Environment::weigh(double floor) {
+  columns_ = BlockDistribution(map_, floor);
+  std::vector<double> weights, solid_angles;
+  for (int y = 0; y < map_.height(); ++y) {
+    solid_angles.push_back(latlong_pixel_solid_angle(y, map_.width(), map_.height()));
+    weights.push_back(solid_angles.back() * columns_.row_total(y));
   }
-  rows_ = StepDistribution(row_weights);
+  rows_ = StepDistribution(weights);
   total_ = rows_.total();
-  if (total_ > 0) return;
-  // A black map: the tables of a map of ones, which is uniform over the sphere.
-  rows_ = StepDistribution(row_solid_angles);
-  const StepDistribution uniform(std::vector<double>(static_cast<std::size_t>(width), 1.0));
-  std::fill(columns_.begin(), columns_.end(), uniform);
+  // A black map: uniform over the sphere (a row without weight is drawn from uniformly).
+  if (!(total_ > 0)) rows_ = StepDistribution(solid_angles);
 }
 
 Image<float> latlong_from_probe(const RadianceMap& probe, const Projection& projection, int width) {
@@ -86,27 +89,28 @@ Image<float> latlong_from_probe(const RadianceMap& probe, const Projection& proj
   return resample(probe.rgb, projection, LatLong{size}, size);
 }
 
-Environment Environment::from_probe(const RadianceMap& probe, const Projection& projection, int width) {
-  return Environment(latlong_from_probe(probe, projection, width));
+Environment Environment::from_probe(const RadianceMap& probe, const Projection& projection, int width,
+                                    Density density) {
+  return Environment(latlong_from_probe(probe, projection, width), density);
 }
 
 Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y) const {
   const float* p = map_.pixel(x, y);
-  const double pdf = black() ? 0.25 / kPi : pixel_luminance(p) / total_;
+  const double pdf = black() ? 0.25 / kPi : columns_.weight(x, y) / total_;
   return {dir, Rgbf(p[0], p[1], p[2]), static_cast<float>(pdf)};
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {
   const int width = map_.width(), height = map_.height();
   const StepDistribution::Step row = rows_.step_of(u.y());
-  const StepDistribution::Step column = columns_[static_cast<std::size_t>(row.index)].step_of(u.x());
-  const double azimuth = 2 * kPi * (0.5 - (column.index + column.inside) / width);
+  const BlockDistribution::Place column = columns_.place_of(row.index, u.x());
+  const double azimuth = 2 * kPi * (0.5 - (column.x + column.inside) / width);
   // Uniform in solid angle: linear in the share of the sphere above, h = sin^2(theta / 2).
   const double top = share_above(kPi * row.index / height), bottom = share_above(kPi * (row.index + 1) / height);
   const double h = top + row.inside * (bottom - top);
   const double sine = 2 * std::sqrt(h * (1 - h));
   const Vec3 dir(sine * std::sin(azimuth), 1 - 2 * h, sine * std::cos(azimuth));
-  return sample_of(dir.cast<float>(), column.index, row.index);
+  return sample_of(dir.cast<float>(), column.x, row.index);
 }
 
 Environment::Sample Environment::lookup(const Vec3f& dir) const {
@@ -134,8 +138,7 @@ Rgbf Environment::smooth_radiance(const Vec3f& dir) const {
 
 Vec2 Environment::invert(const Vec3f& dir) const {
   const Place place = place_of(dir, map_.size());
-  return {columns_[static_cast<std::size_t>(place.y)].invert({place.x, place.across}),
-          rows_.invert({place.y, place.down})};
+  return {columns_.invert(place.y, {place.x, place.across}), rows_.invert({place.y, place.down})};
 }
 
 }  // namespace hdr

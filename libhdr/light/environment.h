@@ -6,6 +6,7 @@
 #include "libhdr/core/image.h"
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/light/block_distribution.h"
 #include "libhdr/light/step_distribution.h"
 #include "libhdr/probe/projection.h"
 
@@ -21,11 +22,18 @@ Image<float> latlong_from_probe(const RadianceMap& probe, const Projection& proj
 /// as far down as the 53 bits of each component of u tell shares apart.
 class Environment {
  public:
-  /// A lat-long with three channels, finite and non-negative (read_map has seen to it).
-  explicit Environment(Image<float> latlong);
+  /// kCompensated, for multiple importance sampling with a surface's own directions [Karlik19]: by what a pixel has
+  /// above the mean luminance of the sphere. Pixels below it have density 0 and are left to the other sampler, which
+  /// must reach them. A map without anything above its mean is sampled as it is.
+  enum class Density { kLuminance, kCompensated };
+
+  /// A lat-long with three channels, finite and non-negative (read_map has seen to it). Values up to 1e30 are no
+  /// trouble: sums are in double.
+  explicit Environment(Image<float> latlong, Density density = Density::kLuminance);
 
   /// Of latlong_from_probe().
-  static Environment from_probe(const RadianceMap& probe, const Projection& projection, int width = 0);
+  static Environment from_probe(const RadianceMap& probe, const Projection& projection, int width = 0,
+                                Density density = Density::kLuminance);
 
   struct Sample {
     Vec3f dir;
@@ -46,12 +54,13 @@ class Environment {
   Rgb total_power() const { return power_; }  ///< integral of L over the sphere, per channel
 
  private:
+  void weigh(double floor);
   Sample sample_of(const Vec3f& dir, int x, int y) const;
 
   Image<float> map_;
-  StepDistribution rows_;                  ///< by luminance times solid angle
-  std::vector<StepDistribution> columns_;  ///< of each row, by luminance
-  double total_ = 0;                       ///< integral of luminance
+  StepDistribution rows_;      ///< by weight times solid angle
+  BlockDistribution columns_;  ///< of each row, by weight: its view is of map_, whose pixels do not move with it
+  double total_ = 0;           ///< integral of the weight
   Rgb power_ = Rgb::Zero();
 };
 

@@ -4,8 +4,8 @@
 namespace hdr::test {
 namespace {
 
-const char* const kVerbs[] = {"info",  "simulate", "shoot",  "calibrate", "align", "merge",   "unwrap",
-                              "probe", "sh",       "render", "tonemap",   "diff",  "cameras", "lights"};
+const char* const kVerbs[] = {"info", "simulate", "shoot",   "calibrate", "align",   "merge",  "unwrap",   "probe",
+                              "sh",   "render",   "tonemap", "diff",      "cameras", "lights", "prefilter"};
 
 TEST(Command, AlonePrintsAMapOfEveryVerb) {
   const CommandResult result = run_hdr({});

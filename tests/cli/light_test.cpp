@@ -48,5 +48,29 @@ TEST(LightCommands, HarmonicsOfTheDegreeThatAnErrorAsksFor) {
     EXPECT_TRUE(std::filesystem::exists(scratch / "cube" / (std::string(face) + ".exr"))) << face;
 }
 
+TEST(LightCommands, PrefilteredLevelsGrowDuller) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr");
+  for (const bool cube : {false, true}) {
+    const std::string folder = (scratch / (cube ? "cube" : "levels")).string();
+    std::vector<std::string> line{
+        "prefilter", (scratch / "world.exr").string(), "-o", folder, "--levels", "4", "--width", "32", "--samples",
+        "64"};
+    if (cube) line.push_back("--cube");
+    const Json answer = answer_of(line);
+    ASSERT_EQ(answer["levels"].size(), 4u);
+    EXPECT_EQ(answer["levels"][3]["roughness"], 1.0);
+    double before = 1e30;
+    for (const Json& level : answer["levels"]) {
+      const std::string path = level["path"];
+      const Json info = answer_of({"info", cube ? path + "/pz.exr" : path});
+      if (cube) continue;
+      EXPECT_LT(info["files"][0]["max"].get<double>(), before) << path;
+      before = info["files"][0]["max"];
+    }
+    EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(folder) / "brdf.exr"));
+  }
+}
+
 }  // namespace
 }  // namespace hdr::test

@@ -62,7 +62,11 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
     RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}};
     const Scene scene = scene_of(*options);
     const Probe probe = options->probe.read(run);
-    const Environment light = run.stage("tables", [&] { return Environment::from_probe(probe.map, probe.projection); });
+    // Both samplers together reach every direction: the probe's may leave the dim ones to the surface's [Karlik19].
+    const bool both = method == RenderMethod::kMis || method == RenderMethod::kAuto;
+    const auto density = both ? Environment::Density::kCompensated : Environment::Density::kLuminance;
+    const Environment light =
+        run.stage("tables", [&] { return Environment::from_probe(probe.map, probe.projection, 0, density); });
     const Rendering result = run.stage("render", [&](const Progress& progress) {
       settings.progress = [&progress](double done) { progress.update(done); };
       return render(scene, light, settings);

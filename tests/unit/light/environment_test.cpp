@@ -43,13 +43,15 @@ TEST(Environment, DensityIntegratesToOne) {
   for (const Size size : {Size{1, 1}, Size{2, 1}, Size{5, 3}, Size{64, 32}}) {
     EXPECT_NEAR(integral_of_pdf(Environment(rough_map(size, 8))), 1, 1e-6);
     EXPECT_NEAR(integral_of_pdf(Environment(constant_map(size, Rgbf::Zero()))), 1, 1e-6) << "black";
+    const auto compensated = Environment::Density::kCompensated;
+    EXPECT_NEAR(integral_of_pdf(Environment(rough_map(size, 8), compensated)), 1, 1e-6) << "compensated";
+    EXPECT_NEAR(integral_of_pdf(Environment(constant_map(size, Rgbf::Ones()), compensated)), 1, 1e-6) << "grey";
   }
 }
 
-TEST(Environment, SamplesFollowTheirDensity) {
-  // Chi-square over sub-cells: each pixel is split in 2x2 equal solid angles, so that uniformity inside is tested too.
-  const Size size{12, 6};
-  const Environment light(rough_map(size, 21));
+// Chi-square over sub-cells: each pixel is split in 2x2 equal solid angles, so that uniformity inside is tested too.
+void expect_samples_follow_density(const Environment& light) {
+  const Size size = light.latlong().size();
   const int columns = 2 * size.width, bands = 2 * size.height;
   std::vector<double> observed(static_cast<std::size_t>(columns * bands));
   Random random(4, 0);
@@ -80,6 +82,46 @@ TEST(Environment, SamplesFollowTheirDensity) {
   ASSERT_GT(cells, 50);
   // Normal approximation of chi-square: 4 sigma.
   EXPECT_LT(chi2, cells + 4 * std::sqrt(2.0 * cells)) << cells << " cells";
+}
+
+TEST(Environment, SamplesFollowTheirDensity) {
+  expect_samples_follow_density(Environment(rough_map({12, 6}, 21)));
+  expect_samples_follow_density(Environment(lobes_map({16, 8}, 2, 5, 21)));
+  expect_samples_follow_density(Environment(constant_map({14, 7}, Rgbf::Zero())));
+}
+
+TEST(Environment, CompensatedSamplesFollowTheirDensity) {
+  expect_samples_follow_density(Environment(rough_map({24, 12}, 22), Environment::Density::kCompensated));
+  expect_samples_follow_density(Environment(lobes_map({24, 12}, 3, 10, 5), Environment::Density::kCompensated));
+}
+
+TEST(Environment, CompensationLeavesThePixelsBelowTheMeanToOthers) {
+  const Environment light(lobes_map({64, 32}, 2, 50, 3), Environment::Density::kCompensated);
+  const Rgb power = light.total_power();
+  const double mean = luminance(power[0], power[1], power[2]) / (4 * kPi);
+  Random random(6, 0);
+  for (int i = 0; i < 2000; ++i) {
+    const Environment::Sample s = light.lookup(test::random_dir(random).cast<float>());
+    EXPECT_EQ(s.pdf > 0, luminance<double>(s.radiance[0], s.radiance[1], s.radiance[2]) > mean);
+    EXPECT_GT(light.sample({random.uniform(), random.uniform()}).pdf, 0);
+  }
+}
+
+// A map of 1e30, as a hostile file may hold: sums neither overflow nor vanish.
+TEST(Environment, HugeAndTinyMapsKeepTheirShares) {
+  for (const float scale : {1e-30f, 1e30f}) {
+    Image<float> map = rough_map({16, 8}, 2);
+    const Environment plain(map.clone());
+    for (int y = 0; y < 8; ++y)
+      for (int k = 0; k < 48; ++k) map.row(y)[k] *= scale;
+    const Environment light(std::move(map));
+    Random random(2, 2);
+    for (int i = 0; i < 100; ++i) {
+      const Vec2 u(random.uniform(), random.uniform());
+      EXPECT_LT((light.sample(u).dir - plain.sample(u).dir).norm(), 1e-4);
+      EXPECT_NEAR(light.sample(u).pdf / plain.sample(u).pdf, 1, 1e-4);
+    }
+  }
 }
 
 TEST(Environment, SampleCarriesRadianceAndDensityOfItsPixel) {

@@ -1,0 +1,43 @@
+#pragma once
+// Drawing one of the pixels of a map's row, with the row itself as the table.
+#include <vector>
+
+#include "libhdr/core/image.h"
+
+namespace hdr {
+
+/// Non-negative weights of the pixels of a map's rows: luminance above `floor`, max(0, Y - floor). Only running sums
+/// at the ends of blocks of pixels are kept, in double; inside a block the pixels themselves are summed again when one
+/// is drawn. So building costs one pass over the map, memory a sixteenth of it, and no pixel that has weight is lost:
+/// sums in double tell 2^53 shares apart.
+class BlockDistribution {
+ public:
+  BlockDistribution() = default;
+  BlockDistribution(View<const float> rgb, double floor);
+
+  struct Place {
+    int x = 0;
+    double inside = 0;  ///< where u lies in the pixel, 0..1
+  };
+
+  /// The pixel of row y that u in [0,1) falls into; never one of no weight, unless the whole row has none.
+  Place place_of(int y, double u) const;
+  /// The u of a place; of a pixel of no weight, where it would begin. 0 in a row of no weight.
+  double invert(int y, const Place& place) const;
+  double row_total(int y) const { return ends_[static_cast<std::size_t>((y + 1) * blocks_ - 1)]; }
+  double weight(int x, int y) const;
+
+  static constexpr int kBlock = 32;
+
+ private:
+  double block_begin(int y, int block) const {
+    return block == 0 ? 0 : ends_[static_cast<std::size_t>(y * blocks_ + block - 1)];
+  }
+
+  View<const float> rgb_;
+  double floor_ = 0;
+  int blocks_ = 0;
+  std::vector<double> ends_;  ///< of the blocks of every row, from the row's beginning
+};
+
+}  // namespace hdr
