@@ -18,7 +18,12 @@ Vec3f mirrored(const Vec3f& dir, const Vec3f& normal) {
 }  // namespace
 
 Integrator::Integrator(const Scene& scene, const Environment& light, RenderMethod method, int directions)
-    : tracer_(scene), light_(light), method_(method), directions_(directions), convex_(tracer_.convex()) {
+    : scene_(scene),
+      tracer_(scene),
+      light_(light),
+      method_(method),
+      directions_(directions),
+      convex_(tracer_.convex()) {
   HDR_ASSERT(method != RenderMethod::kAuto && directions > 0);
   if (method == RenderMethod::kSh) {
     irradiance_ = irradiance_matrices(project(light.latlong(), LatLong{light.latlong().size()}, 2));
@@ -56,15 +61,34 @@ Rgb Integrator::sampled(const Hit& hit, const Vec3f& wo, std::uint64_t points, s
   return sum / directions_;
 }
 
-Rgb Integrator::lit(const Hit& hit, const Vec3f& wo, std::uint64_t points, std::int64_t& rays) const {
-  if (method_ != RenderMethod::kSh || hit.material->kind != MaterialKind::kDiffuse) {
-    return sampled(hit, wo, points, rays);
+void Integrator::relight(const std::vector<Transfer>& transfer) {
+  HDR_ASSERT(method_ == RenderMethod::kPrt && transfer.size() == scene_.meshes.size());
+  const View<const float> latlong = light_.latlong();
+  for (std::size_t m = 0; m < transfer.size(); ++m) {
+    HDR_ASSERT(transfer[m].vectors.rows() == static_cast<Eigen::Index>(scene_.meshes[m].positions.size()));
+    vertices_.push_back(relit(transfer[m], project(latlong, LatLong{latlong.size()}, transfer[m].degree)));
   }
-  const Eigen::Vector4d n(hit.normal.x(), hit.normal.y(), hit.normal.z(), 1);
-  Rgb irradiance;
-  for (std::size_t c = 0; c < 3; ++c) irradiance[static_cast<int>(c)] = n.dot(irradiance_[c] * n);
-  // Nine coefficients of a sun ring below zero on the far side.
-  return hit.material->color.cast<double>() / kPi * irradiance.max(0.0);
+}
+
+Rgb Integrator::smooth_irradiance(const Hit& hit) const {
+  Rgb irradiance = Rgb::Zero();
+  if (method_ == RenderMethod::kPrt) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = scene_.meshes[hit.mesh].indices[3 * std::size_t{hit.triangle} + k];
+      irradiance += hit.weights[k] * vertices_[hit.mesh].row(vertex).transpose().array().cast<double>();
+    }
+  } else {
+    const Eigen::Vector4d n(hit.normal.x(), hit.normal.y(), hit.normal.z(), 1);
+    for (std::size_t c = 0; c < 3; ++c) irradiance[static_cast<int>(c)] = n.dot(irradiance_[c] * n);
+  }
+  // Few coefficients of a sun ring below zero on the far side.
+  return irradiance.max(0.0);
+}
+
+Rgb Integrator::lit(const Hit& hit, const Vec3f& wo, std::uint64_t points, std::int64_t& rays) const {
+  const bool smooth = method_ == RenderMethod::kSh || method_ == RenderMethod::kPrt;
+  if (!smooth || hit.material->kind != MaterialKind::kDiffuse) return sampled(hit, wo, points, rays);
+  return hit.material->color.cast<double>() / kPi * smooth_irradiance(hit);
 }
 
 Integrator::Seen Integrator::seen(const Vec3f& origin, const Vec3f& dir, std::uint64_t points,

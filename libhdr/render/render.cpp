@@ -21,11 +21,12 @@ struct NamedMethod {
   const char* name;
   RenderMethod method;
 };
-constexpr std::array<NamedMethod, 5> kMethods{{{"auto", RenderMethod::kAuto},
+constexpr std::array<NamedMethod, 6> kMethods{{{"auto", RenderMethod::kAuto},
                                                {"mc", RenderMethod::kMc},
                                                {"importance", RenderMethod::kImportance},
                                                {"mis", RenderMethod::kMis},
-                                               {"sh", RenderMethod::kSh}}};
+                                               {"sh", RenderMethod::kSh},
+                                               {"prt", RenderMethod::kPrt}}};
 
 // How a pixel's samples are spent: camera rays, each with its own stratified set of directions. The rays' results are
 // independent, and so their spread is an honest standard error.
@@ -53,7 +54,9 @@ class Painter {
       : options_(options),
         budget_(budget_of(options.samples)),
         camera_(scene.camera, options.size),
-        integrator_(scene, light, method, budget_.directions) {}
+        integrator_(scene, light, method, budget_.directions) {
+    if (method == RenderMethod::kPrt) integrator_.relight(options.transfer);
+  }
 
   const Integrator& integrator() const { return integrator_; }
 
@@ -110,7 +113,34 @@ const char* name_of(RenderMethod method) {
   return known->name;
 }
 
+namespace {
+
+// Vertices so close that light is linear between them: a hundred or so across the picture.
+constexpr float kEdgesAcross = 100;
+
+Scene with_fine_meshes(const Scene& scene) {
+  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Vec3f& p : mesh.positions) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  Scene fine = scene;
+  for (Mesh& mesh : fine.meshes)
+    mesh = tessellated(with_smooth_normals(std::move(mesh)), (high - low).maxCoeff() / kEdgesAcross);
+  return fine;
+}
+
+}  // namespace
+
 Rendering render(const Scene& scene, const Environment& light, const RenderOptions& options) {
+  if (options.method == RenderMethod::kPrt && options.transfer.empty()) {
+    RenderOptions ready = options;
+    const Scene fine = with_fine_meshes(scene);
+    ready.transfer = diffuse_transfer(fine, {4, 256, options.seed, {}});
+    return render(fine, light, ready);
+  }
   const Size size = options.size;
   if (size.width < 1 || size.height < 1 || options.samples < 1) {
     throw Error(fmt::format("cannot render {}x{} pixels with {} samples; each must be at least 1", size.width,

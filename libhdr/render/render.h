@@ -7,15 +7,17 @@
 
 #include "libhdr/core/radiance.h"
 #include "libhdr/light/environment.h"
+#include "libhdr/render/prt.h"
 #include "libhdr/render/scene.h"
 
 namespace hdr {
 
 /// kMc: cosine-stratified directions, eq. 9 of the lecture with its 1/(N M) and visibility. kImportance: directions
 /// from the probe. kMis: both, weighted by the balance heuristic [Veach95]. kSh: irradiance from nine coefficients, no
-/// shadows, on diffuse materials; other materials as kMis. kAuto: kMis. Light reaches a surface straight from the
-/// probe; only mirrors show other objects.
-enum class RenderMethod { kAuto, kMc, kImportance, kMis, kSh };
+/// shadows, on diffuse materials; other materials as kMis. kPrt: precomputed transfer, shadows included, of harmonics
+/// to degree 4, interpolated between vertices, on diffuse materials; others as kMis. kAuto: kMis. Light reaches a
+/// surface straight from the probe; only mirrors show other objects.
+enum class RenderMethod { kAuto, kMc, kImportance, kMis, kSh, kPrt };
 std::optional<RenderMethod> render_method_from_name(const std::string& name);
 const char* name_of(RenderMethod method);
 
@@ -24,6 +26,8 @@ struct RenderOptions {
   Size size{640, 480};
   int samples = 64;  ///< directions per pixel, shared out over camera rays jittered in the pixel
   std::uint64_t seed = 1;
+  /// Of kPrt, one a mesh, which then needs normals. Empty: computed, on the meshes cut finer (tessellated()).
+  std::vector<Transfer> transfer = {};
   std::function<void(double done)> progress;  ///< share of the picture, 0..1, from any thread
 };
 

@@ -76,6 +76,9 @@ Hit hit_of(const Mesh& mesh, const RTCRayHit& found, const Vec3f& dir) {
   const std::array<float, 3> weights{1 - found.hit.u - found.hit.v, found.hit.u, found.hit.v};
   Hit hit;
   hit.material = &mesh.material;
+  hit.mesh = found.hit.geomID;
+  hit.triangle = found.hit.primID;
+  hit.weights = weights;
   hit.geometric = triangle.geometric().normalized();
   hit.front = hit.geometric.dot(dir) < 0;
   const float side = hit.front ? 1.0f : -1.0f;

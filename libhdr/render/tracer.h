@@ -1,5 +1,7 @@
 #pragma once
 // Rays against triangles, on Embree. Its headers stay in tracer.cpp.
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -15,6 +17,8 @@ struct Hit {
   Vec3f normal;     ///< shading normal, unit, same side
   bool front = true;  ///< the ray came from the side that the triangle's winding calls outside
   const Material* material = nullptr;
+  std::uint32_t mesh = 0, triangle = 0;  ///< where in the scene
+  std::array<float, 3> weights{};        ///< of the triangle's corners
 };
 
 class Tracer {

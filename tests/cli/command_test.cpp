@@ -5,7 +5,7 @@ namespace hdr::test {
 namespace {
 
 const char* const kVerbs[] = {"info", "simulate", "shoot",   "calibrate", "align",   "merge",  "unwrap",   "probe",
-                              "sh",   "render",   "tonemap", "diff",      "cameras", "lights", "prefilter"};
+                              "sh",   "render",   "tonemap", "diff",      "cameras", "lights", "prefilter", "prt"};
 
 TEST(Command, AlonePrintsAMapOfEveryVerb) {
   const CommandResult result = run_hdr({});

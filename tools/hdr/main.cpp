@@ -37,6 +37,8 @@ constexpr Verb kVerbs[] = {
     {"lights", "light", "a probe as N directional lights", "hdr lights probe.exr -n 64 -o lights.usda", declare_lights},
     {"prefilter", "light", "a probe for real-time engines: GGX levels, irradiance, split-sum table",
      "hdr prefilter probe.exr -o probe-levels", declare_prefilter},
+    {"prt", "light", "a mesh's transfer of light: lit by any probe at once", "hdr prt bunny.obj -o bunny.prt",
+     declare_prt},
     {"render", "light", "a test render lit by a probe", "hdr render --probe probe.exr -o render.exr", declare_render},
     {"tonemap", "pictures", "a map -> a PNG or JPEG to look at", "hdr tonemap probe.exr -o probe.png", declare_tonemap},
     {"fuse", "pictures", "a bracket -> one picture to look at, without a radiance map", "hdr fuse shots/ -o fused.png",

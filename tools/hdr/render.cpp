@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include "libhdr/core/error.h"
+#include "libhdr/io/output_file.h"
+#include "libhdr/render/obj.h"
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/probe_input.h"
+#include "tools/hdr/prt_file.h"
 
 namespace hdr::tools {
 namespace {
@@ -18,15 +21,39 @@ struct Options {
   WriteFlags write;
 };
 
-Scene scene_of(const Options& options) {
+// Looks at the mesh from a little above, all of it in the picture.
+Camera camera_for(const Mesh& mesh) {
+  Vec3f low = mesh.positions[0], high = low;
+  for (const Vec3f& p : mesh.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec3f middle = 0.5f * (low + high);
+  const float radius = std::max(1e-6f, 0.5f * (high - low).norm());
+  return {middle + radius * Vec3f(0.6f, 0.9f, 3.4f), middle, 40};
+}
+
+Scene scene_of(const Options& options, std::vector<Transfer>& transfer) {
   Scene scene;
+  const std::string extension = Path(options.scene).extension().string();
   if (options.scene.empty()) {
     scene = spheres_on_plane();
   } else if (options.scene == "sphere") {
     scene = sphere_alone(material_from_text(options.material));
+  } else if (extension == ".obj" || extension == ".prt") {
+    if (extension == ".prt") {
+      PrtMesh prt = read_prt(options.scene);
+      scene.meshes.push_back(std::move(prt.mesh));
+      transfer.push_back(std::move(prt.transfer));
+    } else {
+      scene.meshes.push_back(with_smooth_normals(mesh_from_obj(read_text(options.scene), options.scene)));
+    }
+    scene.meshes[0].material = material_from_text(options.material);
+    scene.camera = camera_for(scene.meshes[0]);
   } else {
     throw Error(options.scene +
-                ": not a scene of this build; leave --scene out for spheres on a plane, or pass sphere");
+                ": not a scene of this build; leave --scene out for spheres on a plane, or pass sphere, a mesh "
+                "(.obj) or one with its transfer (.prt)");
   }
   if (!options.eye.empty()) scene.camera.eye = vec3_from_text(options.eye, "--eye").cast<float>();
   if (!options.look.empty()) scene.camera.look = vec3_from_text(options.look, "--look").cast<float>();
@@ -44,9 +71,10 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->probe.declare(app, false);
   app.add_option("-o,--output", options->output, "the picture (.exr, RGBA: alpha is coverage)")->required();
-  app.add_option("--scene", options->scene, "`sphere` is one sphere alone (default: spheres on a plane)");
-  app.add_option("--method", options->method, "auto, mc, importance, mis or sh")
-      ->check(CLI::IsMember({"auto", "mc", "importance", "mis", "sh"}))
+  app.add_option("--scene", options->scene,
+                 "`sphere` is one sphere alone, a .obj mesh, or a .prt of `hdr prt` (default: spheres on a plane)");
+  app.add_option("--method", options->method, "auto, mc, importance, mis, sh or prt")
+      ->check(CLI::IsMember({"auto", "mc", "importance", "mis", "sh", "prt"}))
       ->capture_default_str();
   app.add_option("--samples", options->samples, "a pixel")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--size", options->size, "of the picture")->capture_default_str();
@@ -59,8 +87,8 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
   options->write.declare(app);
   return [options](Run& run) {
     const RenderMethod method = render_method_from_name(options->method).value();
-    RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}};
-    const Scene scene = scene_of(*options);
+    RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}, {}};
+    const Scene scene = run.stage("scene", [&] { return scene_of(*options, settings.transfer); });
     const Probe probe = options->probe.read(run);
     // Both samplers together reach every direction: the probe's may leave the dim ones to the surface's [Karlik19].
     const bool both = method == RenderMethod::kMis || method == RenderMethod::kAuto;

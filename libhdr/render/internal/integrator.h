@@ -15,6 +15,9 @@ class Integrator {
   /// `method` is none of kAuto. What it is given must outlive it.
   Integrator(const Scene& scene, const Environment& light, RenderMethod method, int directions);
 
+  /// Of kPrt, before the first ray: lights the vertices.
+  void relight(const std::vector<Transfer>& transfer);
+
   struct Seen {
     Rgb radiance = Rgb::Zero();
     bool hit = false;
@@ -28,15 +31,18 @@ class Integrator {
 
  private:
   Rgb lit(const Hit& hit, const Vec3f& wo, std::uint64_t points, std::int64_t& rays) const;
+  Rgb smooth_irradiance(const Hit& hit) const;
   Rgb sampled(const Hit& hit, const Vec3f& wo, std::uint64_t points, std::int64_t& rays) const;
   bool visible(const Hit& hit, const Vec3f& dir, std::int64_t& rays) const;
 
+  const Scene& scene_;
   Tracer tracer_;
   const Environment& light_;
   RenderMethod method_;
   int directions_;
   bool convex_;
-  std::array<Mat4, 3> irradiance_{};  ///< of kSh
+  std::array<Mat4, 3> irradiance_{};                               ///< of kSh
+  std::vector<Eigen::Matrix<float, Eigen::Dynamic, 3>> vertices_;  ///< of kPrt: irradiance, one matrix a mesh
 };
 
 }  // namespace hdr

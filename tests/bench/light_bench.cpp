@@ -1,0 +1,303 @@
+// Light from a probe: harmonics, sampling, lights and transfer, against brute force and against one pass over the map.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "libhdr/core/color.h"
+#include "libhdr/core/parallel.h"
+#include "libhdr/core/random.h"
+#include "libhdr/core/sphere.h"
+#include "libhdr/io/output_file.h"
+#include "libhdr/io/read.h"
+#include "libhdr/light/environment.h"
+#include "libhdr/light/lights.h"
+#include "libhdr/light/sh.h"
+#include "libhdr/render/obj.h"
+#include "libhdr/render/prt.h"
+#include "tests/bench/stopwatch.h"
+#include "tests/support/support.h"
+
+namespace hdr::bench {
+namespace {
+
+bool all_right = true, all_met = true;
+
+const char* verdict(bool met) {
+  all_met = all_met && met;
+  return met ? "met" : "MISSED";
+}
+
+// A sky with clouds, ground and a sun, in random colours of a pixel each: nothing averages out by symmetry.
+Image<float> sky(int width) {
+  Image<float> map(width, width / 2, 3);
+  const Vec3 sun = Vec3(0.5, 0.6, 0.4).normalized();
+  for_rows(map.height(), 8, [&](int first, int last) {
+    for (int y = first; y < last; ++y) {
+      Random random(1, static_cast<std::uint64_t>(y));
+      for (int x = 0; x < width; ++x) {
+        const Vec3 d = dir_from_latlong((x + 0.5) / width, (y + 0.5) / map.height());
+        const double base = (d.y() > 0 ? 1.2 : 0.25) + 4e4 * std::exp(9000 * (d.dot(sun) - 1));
+        for (int c = 0; c < 3; ++c) map(x, y, c) = static_cast<float>(base * (0.5 + random.uniform_float()));
+      }
+    }
+  });
+  return map;
+}
+
+// Reads every sample once, on all threads: what any method must at least do.
+float read_once(View<const float> map) {
+  return reduce_rows(
+      map.height(), 16, 0.0f,
+      [&](int first, int last) {
+        float sum[16] = {};
+        for (int y = first; y < last; ++y) {
+          const float* row = map.row(y);
+          for (int k = 0; k + 16 <= 3 * map.width(); k += 16)
+            for (int i = 0; i < 16; ++i) sum[i] += row[k + i];
+        }
+        return sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] + sum[8] + sum[9] + sum[10] +
+               sum[11] + sum[12] + sum[13] + sum[14] + sum[15];
+      },
+      [](float& total, float part) { total += part; });
+}
+
+// Pixel by pixel in double; nothing of the fast way is shared. Y_lm over a cell by three Gauss nodes each way: what
+// that leaves, for cells of 2 pi / 256 and degree 10, is below 1e-9, and falls with the sixth power of their size.
+Sh brute_force(View<const float> map, int degree) {
+  const auto count = static_cast<std::size_t>((degree + 1) * (degree + 1));
+  const double nodes[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)},
+               weights[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
+  const std::vector<Rgb> zero(count, Rgb::Zero());
+  std::vector<Rgb> sum = reduce_rows(
+      map.height(), 4, zero,
+      [&](int first, int last) {
+        std::vector<Rgb> part = zero;
+        std::vector<double> y(count), cell(count);
+        for (int row = first; row < last; ++row) {
+          for (int x = 0; x < map.width(); ++x) {
+            std::fill(cell.begin(), cell.end(), 0.0);
+            for (int j = 0; j < 3; ++j) {
+              const double v = (row + nodes[j]) / map.height();
+              for (int i = 0; i < 3; ++i) {
+                sh_basis(dir_from_latlong((x + nodes[i]) / map.width(), v), degree, y.data());
+                const double w =
+                    weights[i] * weights[j] * std::sin(kPi * v) * 2 * kPi / map.width() * kPi / map.height();
+                for (std::size_t k = 0; k < count; ++k) cell[k] += w * y[k];
+              }
+            }
+            const float* p = map.pixel(x, row);
+            const Rgb radiance(p[0], p[1], p[2]);
+            for (std::size_t k = 0; k < count; ++k) part[k] += cell[k] * radiance;
+          }
+        }
+        return part;
+      },
+      [](std::vector<Rgb>& total, const std::vector<Rgb>& part) {
+        for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
+      });
+  return {degree, std::move(sum)};
+}
+
+double relative_error(const Sh& sh, const Sh& truth) {
+  double off = 0, size = 0;
+  for (std::size_t k = 0; k < truth.coefficients.size(); ++k) {
+    off += (sh.coefficients[k] - truth.coefficients[k]).square().sum();
+    size += truth.coefficients[k].square().sum();
+  }
+  return std::sqrt(off / size);
+}
+
+void bench_sh(const std::vector<int>& widths, int brute_force_to, int repeats) {
+  fmt::print(
+      "harmonics (must: error <= 1e-7, time <= 4 reads)\n  width degree  error     read ms   sh ms  reads (CPU)\n");
+  for (const int width : widths) {
+    const Image<float> map = sky(width);
+    for (const int degree : {2, 10}) {
+      const Sh fast = project(map, LatLong{map.size()}, degree);
+      const bool check = width * degree <= brute_force_to;
+      const double error = check ? relative_error(fast, brute_force(map, degree)) : NAN;
+      Runs reads, projections;
+      volatile float sink = 0;
+      for (int k = 0; k < repeats; ++k) {
+        sink = reads.time([&] { return read_once(map); });
+        projections.time([&] { return project(map, LatLong{map.size()}, degree); });
+      }
+      const double ratio = projections.least().cpu / reads.least().cpu;
+      all_right = all_right && !(error > 1e-6);
+      fmt::print("  {:5d} {:6d}  {:8.1e} {:8.2f} {:8.2f} {:8.1f}  {}\n", width, degree, error, 1e3 * reads.least().wall,
+                 1e3 * projections.least().wall, ratio, verdict(!(error > 1e-7) && ratio <= 4));
+      std::fflush(stdout);
+    }
+  }
+}
+
+void bench_environment(int width, int repeats) {
+  const Image<float> map = sky(width);
+  Runs passes, builds;
+  volatile float sink = 0;
+  for (int k = 0; k < repeats; ++k) {
+    sink = passes.time([&] { return read_once(map); });
+    Image<float> own = map.clone();
+    builds.time([&] { return Environment(std::move(own)); });
+  }
+  const Environment light(map.clone());
+  constexpr int kSamples = 2000000;
+  Runs draws;
+  draws.time([&] {
+    Random random(1, 2);
+    float sum = 0;
+    for (int k = 0; k < kSamples; ++k) {
+      const double u = random.uniform();
+      sum += light.sample({u, random.uniform()}).pdf;
+    }
+    sink = sum;
+  });
+  const double rate = kSamples / draws.least().cpu / 1e6, ratio = builds.least().cpu / passes.least().cpu;
+  fmt::print(
+      "sampling, {} wide (must: tables <= 3 passes, >= 10 M samples/s a core): {:.1f} passes {}, {:.1f} M/s {}\n",
+      width, ratio, verdict(ratio <= 3), rate, verdict(rate >= 10));
+}
+
+std::vector<Vec3> spiral(int count) {
+  std::vector<Vec3> normals;
+  for (int k = 0; k < count; ++k) {
+    const double y = 1 - (2 * k + 1.0) / count, azimuth = kPi * (3 - std::sqrt(5.0)) * k, s = std::sqrt(1 - y * y);
+    normals.emplace_back(s * std::cos(azimuth), y, s * std::sin(azimuth));
+  }
+  return normals;
+}
+
+// Of degree 2 against the sum over all pixels, every channel; relative to the largest true irradiance of the channel.
+void bench_irradiance(const std::string& name, View<const float> map) {
+  const Sh sh = project(map, LatLong{map.size()}, 2);
+  const std::vector<Vec3> normals = spiral(400);
+  const std::vector<DirectionalLight> pixels = pixel_lights(map);
+  std::vector<Rgb> truth(normals.size());
+  for_rows(static_cast<int>(normals.size()), 4, [&](int first, int last) {
+    for (int k = first; k < last; ++k)
+      truth[static_cast<std::size_t>(k)] = irradiance(pixels, normals[static_cast<std::size_t>(k)]);
+  });
+  Rgb largest = Rgb::Zero(), largest_sh = Rgb::Zero(), worst = Rgb::Zero(), mean = Rgb::Zero();
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    const Rgb e = irradiance(sh, normals[k]), off = (e - truth[k]).abs();
+    largest = largest.max(truth[k]);
+    largest_sh = largest_sh.max(e);
+    worst = worst.max(off);
+    mean += off / static_cast<double>(normals.size());
+  }
+  const double bound = irradiance_error_bound(map, LatLong{map.size()}, sh);
+  const bool safe = bound >= (worst / largest_sh).maxCoeff();
+  all_right = all_right && safe;
+  fmt::print("  {:<12} {:6.2f} % {:6.2f} %  bound {:6.2f} %  {} {}\n", name, 100 * (mean / largest).maxCoeff(),
+             100 * (worst / largest).maxCoeff(), 100 * bound, verdict((worst / largest).maxCoeff() <= 0.09),
+             safe ? "" : "THE BOUND IS BELOW THE ERROR");
+}
+
+// Against every pixel of the map, on normals that the placement did not see.
+double rms_against_pixels(const std::vector<DirectionalLight>& lights, const std::vector<DirectionalLight>& pixels) {
+  double off = 0, size = 0;
+  for (const Vec3& n : spiral(300)) {
+    const Rgb a = irradiance(lights, n), b = irradiance(pixels, n);
+    const double e = luminance(b[0], b[1], b[2]);
+    off += std::pow(luminance(a[0], a[1], a[2]) - e, 2);
+    size += e * e;
+  }
+  return std::sqrt(off / size);
+}
+
+void bench_lights(const std::string& name, View<const float> map, std::array<int, 2>& better) {
+  const std::vector<DirectionalLight> pixels = pixel_lights(map);
+  fmt::print("  {:<12}", name);
+  for (const int count : {16, 64}) {
+    double of_method[4];
+    int k = 0;
+    for (const LightsMethod method : {LightsMethod::kMedianCut, LightsMethod::kVarianceCut, LightsMethod::kStructured,
+                                      LightsMethod::kKolligKeller}) {
+      of_method[k] = rms_against_pixels(make_lights(map, {count, method, std::nullopt, 1}).lights, pixels);
+      fmt::print(" {:6.3f}", 100 * of_method[k++]);
+    }
+    const double must = count == 64 ? 0.007 : 0.03;
+    fmt::print("  {}  ", verdict(of_method[1] <= must && of_method[2] <= must));
+    if (count == 64) {
+      better[0] += of_method[1] < of_method[0];
+      better[1] += of_method[2] < of_method[0];
+    }
+  }
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
+void bench_maps(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".hdr") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  fmt::print("irradiance of degree 2, mean and largest error of the largest E (must: <= 9 %)\n");
+  for (const auto& file : files) bench_irradiance(file.stem().string(), read_map(file).map.rgb);
+  fmt::print(
+      "lights, rms of irradiance in percent (must: structured, variance <= 3 with 16, <= .7 with 64)\n  {:<12} 16: "
+      "median "
+      "variance structured kollig-keller; 64: the same\n",
+      "map");
+  std::array<int, 2> better{};
+  for (const auto& file : files) bench_lights(file.stem().string(), read_map(file).map.rgb, better);
+  fmt::print("  better than median cut with 64: variance cut on {}, structured on {} of {} maps\n", better[0],
+             better[1], files.size());
+}
+
+void bench_lights_time(int width) {
+  const Image<float> map = sky(width);
+  for (const auto& [name, method] :
+       {std::pair("structured", LightsMethod::kStructured), std::pair("variance cut", LightsMethod::kVarianceCut)}) {
+    Runs runs;
+    for (int k = 0; k < 2; ++k) runs.time([&] { return make_lights(map, {64, method, std::nullopt, 1}); });
+    fmt::print("64 lights of {}x{}, {} (must: < 1 s): {:.2f} CPU s {}\n", width, width / 2, name, runs.least().cpu,
+               verdict(runs.least().cpu < 1));
+  }
+}
+
+void bench_prt(const std::filesystem::path& file, int samples) {
+  Scene scene;
+  scene.meshes.push_back(with_smooth_normals(mesh_from_obj(read_text(file), file.string())));
+  Runs transfers, relights;
+  const std::vector<Transfer> transfer = transfers.time([&] { return diffuse_transfer(scene, {4, samples, 1, {}}); });
+  const Image<float> map = sky(256);
+  const Sh light = project(map, LatLong{map.size()}, 4);
+  volatile float sink = 0;
+  for (int k = 0; k < 20; ++k) sink = relights.time([&] { return relit(transfer[0], light); })(0, 0);
+  fmt::print("transfer of {} vertices, {} rays each: {:.1f} CPU s; lit (must: < 2 ms): {:.2f} CPU ms {}\n",
+             scene.meshes[0].positions.size(), samples, transfers.least().cpu, 1e3 * relights.least().cpu,
+             verdict(relights.least().cpu < 2e-3));
+}
+
+int main(int argc, char** argv) {
+  bool quick = false, strict = false;
+  std::string only;
+  CLI::App app("  light_bench\n\nlight from a probe: error and time");
+  app.add_flag("--quick", quick, "small maps: answers, not times");
+  app.add_option("--only", only, "sh, sampling, maps, lights or prt");
+  app.add_flag("--strict", strict, "exit 1 when a figure is missed, not only when an answer is wrong");
+  CLI11_PARSE(app, argc, argv);
+  const auto wanted = [&](const char* part) { return only.empty() || only == part; };
+  if (wanted("sh")) bench_sh(quick ? std::vector<int>{256} : std::vector<int>{1024, 4096, 8192}, 20000, quick ? 2 : 7);
+  if (wanted("sampling")) bench_environment(quick ? 1024 : 8192, quick ? 2 : 5);
+  const auto maps = test::shared_data("envmaps/polyhaven_1k"), bunny = test::shared_data("meshes/stanford-bunny.obj");
+  if (!maps || !bunny) fmt::print("no ../shared/data here: real maps and meshes are skipped\n");
+  if (wanted("maps") && maps && !quick) bench_maps(*maps);
+  if (wanted("lights")) bench_lights_time(quick ? 1024 : 4096);
+  if (wanted("prt") && bunny && !quick) bench_prt(*bunny, 256);
+  if (!all_right) fmt::print(stderr, "light_bench: an answer is wrong\n");
+  return all_right && (all_met || !strict) ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace hdr::bench
+
+int main(int argc, char** argv) try { return hdr::bench::main(argc, argv); } catch (const std::exception& e) {
+  fmt::print(stderr, "light_bench: {}\n", e.what());
+  return 1;
+}
