@@ -64,6 +64,7 @@
 #include "libhdr/light/lights.h"       // N directional lights
 #include "libhdr/light/lights_text.h"  // for USD and Radiance
 #include "libhdr/light/prefilter.h"    // for real-time engines
+#include "libhdr/light/restore_clipped.h"  // suns that every shot clipped
 #include "libhdr/light/sh.h"           // project, irradiance, rotated
 #include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing

@@ -135,7 +135,7 @@ Scene with_fine_meshes(const Scene& scene) {
 }  // namespace
 
 Rendering render(const Scene& scene, const Environment& light, const RenderOptions& options) {
-  if (options.method == RenderMethod::kPrt && options.transfer.empty()) {
+  if (options.method == RenderMethod::kPrt && options.transfer.empty() && !scene.meshes.empty()) {
     RenderOptions ready = options;
     const Scene fine = with_fine_meshes(scene);
     ready.transfer = diffuse_transfer(fine, {4, 256, options.seed, {}});

@@ -25,6 +25,7 @@ namespace hdr::bench {
 namespace {
 
 bool all_right = true, all_met = true;
+volatile float sink = 0;  ///< what was computed is used: no compiler leaves it out
 
 const char* verdict(bool met) {
   all_met = all_met && met;
@@ -121,7 +122,6 @@ void bench_sh(const std::vector<int>& widths, int brute_force_to, int repeats) {
       const bool check = width * degree <= brute_force_to;
       const double error = check ? relative_error(fast, brute_force(map, degree)) : NAN;
       Runs reads, projections;
-      volatile float sink = 0;
       for (int k = 0; k < repeats; ++k) {
         sink = reads.time([&] { return read_once(map); });
         projections.time([&] { return project(map, LatLong{map.size()}, degree); });
@@ -138,7 +138,6 @@ void bench_sh(const std::vector<int>& widths, int brute_force_to, int repeats) {
 void bench_environment(int width, int repeats) {
   const Image<float> map = sky(width);
   Runs passes, builds;
-  volatile float sink = 0;
   for (int k = 0; k < repeats; ++k) {
     sink = passes.time([&] { return read_once(map); });
     Image<float> own = map.clone();
@@ -267,7 +266,6 @@ void bench_prt(const std::filesystem::path& file, int samples) {
   const std::vector<Transfer> transfer = transfers.time([&] { return diffuse_transfer(scene, {4, samples, 1, {}}); });
   const Image<float> map = sky(256);
   const Sh light = project(map, LatLong{map.size()}, 4);
-  volatile float sink = 0;
   for (int k = 0; k < 20; ++k) sink = relights.time([&] { return relit(transfer[0], light); })(0, 0);
   fmt::print("transfer of {} vertices, {} rays each: {:.1f} CPU s; lit (must: < 2 ms): {:.2f} CPU ms {}\n",
              scene.meshes[0].positions.size(), samples, transfers.least().cpu, 1e3 * relights.least().cpu,

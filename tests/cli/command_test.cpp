@@ -4,8 +4,9 @@
 namespace hdr::test {
 namespace {
 
-const char* const kVerbs[] = {"info", "simulate", "shoot",   "calibrate", "align",   "merge",  "unwrap",   "probe",
-                              "sh",   "render",   "tonemap", "diff",      "cameras", "lights", "prefilter", "prt"};
+const char* const kVerbs[] = {"info",    "simulate", "shoot",     "calibrate", "align",   "merge",
+                              "unwrap",  "probe",    "sh",        "render",    "tonemap", "diff",
+                              "cameras", "lights",   "prefilter", "prt",       "unclip"};
 
 TEST(Command, AlonePrintsAMapOfEveryVerb) {
   const CommandResult result = run_hdr({});

@@ -1,4 +1,5 @@
 // Light from a probe, on the command line.
+#include "libhdr/io/read.h"
 #include "tests/cli/fixture.h"
 
 namespace hdr::test {
@@ -70,6 +71,99 @@ TEST(LightCommands, PrefilteredLevelsGrowDuller) {
     }
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(folder) / "brdf.exr"));
   }
+}
+
+// NaN, infinite, negative, huge: what the file means otherwise stays, and what was changed is said.
+TEST(LightCommands, HostileMapsAreMendedWithAReport) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr", 64);
+  const double clean = answer_of({"sh", (scratch / "world.exr").string()})["coefficients"][0][1];
+  constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const float bad : {kNan, kInf, -1e30f}) {
+    RadianceMap map = read_map(scratch / "world.exr").map;
+    for (int c = 0; c < 3; ++c) map.rgb(5, 28, c) = bad;
+    const std::string path = (scratch / "bad.exr").string();
+    write_map(path, map, {}, {SampleType::kFloat, "zip"});
+    const Json sh = answer_of({"sh", path}), lights = answer_of({"lights", path, "-n", "8"});
+    for (const Json* answer : {&sh, &lights})
+      EXPECT_FALSE((*answer)["warnings"].empty()) << bad << " went by in silence";
+    // An infinite pixel is a sun of the largest sample; one pixel of the ground more or less is little else.
+    const double l00 = sh["coefficients"][0][1];
+    EXPECT_GT(l00, 0.97 * clean) << bad;
+    if (bad != kInf) {
+      EXPECT_LT(l00, 1.03 * clean) << bad;
+    }
+    double flux = 0;
+    for (const Json& light : lights["lights"]) flux += light["irradiance"][1].get<double>();
+    EXPECT_NEAR(flux / (l00 * std::sqrt(4 * kPi)), 1, 1e-6) << "no light is lost beside a bad pixel";
+    const std::string picture = (scratch / "picture.exr").string();
+    answer_of({"render", "--probe", path, "-o", picture, "--size", "32x24", "--samples", "16"});
+    EXPECT_EQ(answer_of({"info", picture})["files"][0]["nan"], 0);
+  }
+}
+
+TEST(LightCommands, BlackAndHugeMapsHaveAnswers) {
+  const ScratchDir scratch;
+  for (const float value : {0.0f, 1e30f}) {
+    RadianceMap map;
+    map.rgb = Image<float>(16, 8, 3);
+    map.projection = "latlong";
+    for (int y = 0; y < 8; ++y) std::fill_n(map.rgb.row(y), 48, value);
+    const std::string path = (scratch / "map.exr").string();
+    write_map(path, map, {}, {SampleType::kFloat, "zip"});
+    for (const std::string method : {"median-cut", "variance-cut", "structured", "kollig-keller"}) {
+      const Json lights = answer_of({"lights", path, "-n", "5", "--method", method})["lights"];
+      ASSERT_EQ(lights.size(), 5u);
+      double flux = 0;
+      for (const Json& light : lights) flux += light["irradiance"][0].get<double>();
+      EXPECT_NEAR(flux, 4 * kPi * value, 1e-6 * flux);
+    }
+    const std::string folder = (scratch / "levels").string();
+    const Json levels =
+        answer_of({"prefilter", path, "-o", folder, "--levels", "2", "--width", "8", "--samples", "16"});
+    const Json info = answer_of({"info", levels["levels"][1]["path"]})["files"][0];
+    EXPECT_NEAR(info["max"].get<double>(), value, 1e-5 * value);
+    EXPECT_EQ(info["nan"], 0);
+  }
+}
+
+TEST(LightCommands, ASunComesBackToWhatTheMeterRead) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr");
+  RadianceMap map = read_map(scratch / "world.exr").map;
+  double truth = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 256; ++x) {
+      const float* p = map.rgb.pixel(x, y);
+      truth += (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) * std::cos(kPi * (y + 0.5) / 128) *
+               latlong_pixel_solid_angle(y, 256, 128);
+    }
+  for (int y = 0; y < 128; ++y)
+    for (int k = 0; k < 768; ++k) map.rgb.row(y)[k] = std::min(20.0f, map.rgb.row(y)[k]);
+  map.white_luminance = 100;
+  const std::string clipped = (scratch / "clipped.exr").string(), sun = (scratch / "sun.exr").string();
+  write_map(clipped, map, {}, {SampleType::kFloat, "zip"});
+  const Json answer = answer_of({"unclip", clipped, "-o", sun, "--target-lux", std::to_string(100 * truth)});
+  EXPECT_EQ(answer["regions"], 1);
+  EXPECT_GT(answer["gains"][0][1].get<double>(), 1.5);
+  EXPECT_LT(answer["residual"][1].get<double>(), 1e-6);
+  expect_refusal({"unclip", (scratch / "world.exr").string(), "-o", sun, "--target-lux", "1000"}, {"whiteLuminance"});
+  expect_refusal({"unclip", clipped, "-o", sun}, {"--target-lux", "--measured"});
+}
+
+TEST(LightCommands, AMeshKeepsItsTransfer) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr");
+  std::ofstream(scratch / "roof.obj") << "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\n"
+                                         "f 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\nf 1 2 3 4\n";
+  const std::string prt = (scratch / "roof.prt").string(), picture = (scratch / "roof.exr").string();
+  EXPECT_EQ(answer_of({"prt", (scratch / "roof.obj").string(), "-o", prt, "--samples", "64"})["vertices"], 5);
+  const Json answer = answer_of({"render", "--probe", (scratch / "world.exr").string(), "--scene", prt, "--method",
+                                 "prt", "--size", "64x48", "--samples", "4", "-o", picture});
+  EXPECT_EQ(answer["method"], "prt");
+  EXPECT_GT(answer_of({"info", picture})["files"][0]["mean"].get<double>(), 0);
+  std::filesystem::resize_file(prt, std::filesystem::file_size(prt) - 4);
+  expect_refusal({"render", "--probe", (scratch / "world.exr").string(), "--scene", prt, "-o", picture}, {"cut off"});
 }
 
 }  // namespace

@@ -35,6 +35,8 @@ constexpr Verb kVerbs[] = {
      "hdr unwrap ball.exr -o probe.exr --from mirror-ball --to latlong --width 2048", declare_unwrap},
     {"sh", "light", "spherical harmonics and irradiance of a probe", "hdr sh probe.exr -o sh.json", declare_sh},
     {"lights", "light", "a probe as N directional lights", "hdr lights probe.exr -n 64 -o lights.usda", declare_lights},
+    {"unclip", "light", "gives clipped suns the light that a meter measured",
+     "hdr unclip probe.exr -o sun.exr --target-lux 65000", declare_unclip},
     {"prefilter", "light", "a probe for real-time engines: GGX levels, irradiance, split-sum table",
      "hdr prefilter probe.exr -o probe-levels", declare_prefilter},
     {"prt", "light", "a mesh's transfer of light: lit by any probe at once", "hdr prt bunny.obj -o bunny.prt",

@@ -63,6 +63,7 @@ std::function<int(Run&)> declare_unwrap(CLI::App& app);
 std::function<int(Run&)> declare_probe(CLI::App& app);
 std::function<int(Run&)> declare_sh(CLI::App& app);
 std::function<int(Run&)> declare_lights(CLI::App& app);
+std::function<int(Run&)> declare_unclip(CLI::App& app);
 std::function<int(Run&)> declare_prefilter(CLI::App& app);
 std::function<int(Run&)> declare_prt(CLI::App& app);
 std::function<int(Run&)> declare_render(CLI::App& app);
