@@ -48,6 +48,7 @@
 #include "libhdr/filter/resize.h"
 #include "libhdr/filter/tonemap.h"  // for looking
 
+#include "libhdr/probe/ball_views.h"  // several views of one ball become one sphere
 #include "libhdr/probe/convention.h"  // which way round others have the sphere
 #include "libhdr/probe/find_ball.h"   // where the mirror ball is
 #include "libhdr/probe/find_image_circle.h"  // where a fisheye's picture ends

@@ -52,6 +52,43 @@ TEST_F(Ball, ReflectanceIsDividedOut) {
   EXPECT_LT(median_from_world("probe.exr"), 0.05);
 }
 
+TEST_F(Ball, TwoViewsShowTheWholeSphereAndNobody) {
+  photograph("one", {"--photographer", "8", "--distance", "12"});
+  photograph("two", {"--photographer", "8", "--distance", "12", "--rotate", "0,90,0"});
+  const std::vector<std::string> views = {at("one/truth.exr"), at("two/truth.exr")};
+  const Json answer = answer_of({"unwrap", views[0], views[1], "-o", at("probe.exr"), "--width", "256"});
+  ASSERT_EQ(answer["views"].size(), 2u);
+  for (const char* key : {"from_path", "probe_from_view", "overlap_rms", "gain"}) {
+    for (const Json& view : answer["views"]) EXPECT_TRUE(view.contains(key)) << key;
+  }
+  EXPECT_EQ(answer["views"][0]["probe_from_view"], Json::parse("[1,0,0,0,1,0,0,0,1]")) << "the first sets the axes";
+  // The second scene was turned by 90 degrees about +Y, so its view turns back.
+  const std::vector<double> expected = {0, 0, -1, 0, 1, 0, 1, 0, 0};
+  for (std::size_t k = 0; k < 9; ++k)
+    EXPECT_NEAR(answer["views"][1]["probe_from_view"][k].get<double>(), expected[k], 0.1 * kDegree) << "element " << k;
+  EXPECT_NEAR(answer["views"][1]["gain"].get<double>(), 1, 0.01);
+  const Json whole = answer_of({"diff", at("probe.exr"), world()});
+  answer_of({"unwrap", views[0], "-o", at("one.exr"), "--width", "256"});
+  const Json one = answer_of({"diff", at("one.exr"), world()});
+  EXPECT_LT(whole["p99_abs_log2"].get<double>(), 1) << "no photographer and no blind spot";
+  EXPECT_GT(one["p99_abs_log2"].get<double>(), whole["p99_abs_log2"].get<double>() + 0.4) << "both were there";
+}
+
+TEST_F(Ball, ViewsThatDoNotFitAreRefused) {
+  photograph("one", {});
+  write_world(at("other.exr"), 128);
+  answer_of({"simulate", at("other.exr"), "-o", at("two"), "--fov", "60", "--size", "600x450", "--times", "1/60",
+             "--format", "png"});
+  const std::string one = at("one/truth.exr"), two = at("two/truth.exr");
+  expect_refusal({"unwrap", one, two, "-o", at("x.exr"), "--from", "mirror-ball", "--ball", "300,225,180"},
+                 {"truth.exr", "does not show what"});
+  expect_refusal({"unwrap", one, one, "-o", at("x.exr"), "--mask", one}, {"--mask", "each"});
+  expect_refusal({"unwrap", one, "-o", at("x.exr"), "--ball", "300,440,180"},
+                 {"% of the ball", "photograph all of it"});
+  expect_refusal({"unwrap", one, "-o", at("x.exr"), "--ball", "300,225,900"}, {"% of the ball", "--ball"});
+  expect_refusal({"unwrap", two, "-o", at("x.exr"), "--from", "mirror-ball"}, {"no mirror ball found", "--ball"});
+}
+
 TEST_F(Ball, WhatCannotBeIsRefused) {
   photograph("shots", {"--photographer", "8"});
   const std::string truth = at("shots/truth.exr");

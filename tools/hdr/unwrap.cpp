@@ -1,37 +1,67 @@
 #include "libhdr/core/error.h"
 #include "libhdr/io/read.h"
+#include "tools/hdr/ball_views_step.h"
 #include "tools/hdr/cube_files.h"
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/unwrap_step.h"
 
 namespace hdr::tools {
+namespace {
+
+struct Options {
+  std::vector<std::string> images, masks;
+  std::string output;
+  UnwrapFlags unwrap;
+  WriteFlags write;
+};
+
+/// Several pictures are views of one ball when --from says so, or the first one's tag does.
+bool are_ball_views(const Options& o) {
+  if (o.images.size() < 2) return false;
+  if (!o.unwrap.from.empty()) return o.unwrap.from.starts_with(MirrorBall::kName);
+  return read_map(o.images[0]).map.projection.starts_with(MirrorBall::kName);
+}
+
+RadianceMap unwrap_images(Run& run, const Options& o, bool ball_views) {
+  if (ball_views) return unwrap_ball_views(run, o.images, o.masks, o.unwrap);
+  if (!o.masks.empty()) throw Error("--mask: is for several views of one ball");
+  const bool faces = are_cube_faces(o.images);
+  if (o.images.size() != 1 && !faces) {
+    throw CLI::ValidationError(
+        "image", "give one picture, several views of one ball (--from mirror-ball), or the six faces of a cube");
+  }
+  const std::string& name = o.images[0];
+  const ReadMap source = run.stage("read", [&] { return faces ? read_cube_faces(o.images) : read_map(name); });
+  for (const std::string& warning : source.warnings) run.warn(warning);
+  return unwrap_picture(run, source.map, o.unwrap, "", name);
+}
+
+Provenance provenance_of_images(const Run& run, const Options& o, bool ball_views) {
+  if (!ball_views) return provenance_of(run, Path(o.images[0]));
+  Provenance provenance = provenance_of(run, Path{});
+  std::string names;
+  for (const std::string& image : o.images) names += (names.empty() ? "" : " ") + Path(image).filename().string();
+  provenance.add("input", names);
+  return provenance;
+}
+
+}  // namespace
 
 std::function<int(Run&)> declare_unwrap(CLI::App& app) {
-  struct Options {
-    std::vector<std::string> images;
-    std::string output;
-    UnwrapFlags unwrap;
-    WriteFlags write;
-  };
   auto options = std::make_shared<Options>();
-  app.add_option(
-         "image", options->images,
-         "a radiance map (or an sRGB photograph); a cube's six faces, named ..._px, _nx, _py, _ny, _pz, _nz or in "
-         "the order +X -X +Y -Y +Z -Z")
+  app.add_option("image", options->images,
+                 "a radiance map (or an sRGB photograph); several views of one mirror ball; a cube's six faces, named "
+                 "..._px, _nx, _py, _ny, _pz, _nz or in the order +X -X +Y -Y +Z -Z")
       ->required();
   app.add_option("-o,--output", options->output, "the picture to write (.exr, .hdr, .tif)")->required();
+  app.add_option("--mask", options->masks,
+                 "with several views: a picture for each, white where it is to be used; - for all of it");
   options->unwrap.declare(app);
   options->write.declare(app);
   return [options](Run& run) {
-    const bool faces = are_cube_faces(options->images);
-    if (options->images.size() != 1 && !faces) {
-      throw CLI::ValidationError("image", "give one picture, or the six faces of a cube");
-    }
-    const std::string& name = options->images[0];
-    const ReadMap source = run.stage("read", [&] { return faces ? read_cube_faces(options->images) : read_map(name); });
-    for (const std::string& warning : source.warnings) run.warn(warning);
-    const RadianceMap probe = unwrap_picture(run, source.map, options->unwrap, "", name);
-    const Provenance provenance = provenance_of(run, Path(name));
+    const bool ball_views = are_ball_views(*options);
+    const RadianceMap probe = unwrap_images(run, *options, ball_views);
+    const Provenance provenance = provenance_of_images(run, *options, ball_views);
     const bool six_files = probe.projection.starts_with("cube-faces");
     run.stage("write", [&] {
       if (six_files) return write_cube_faces(options->output, probe, provenance, options->write.options());

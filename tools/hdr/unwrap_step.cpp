@@ -33,24 +33,23 @@ MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags&
   return found->ball;
 }
 
-/// The geometry that --from or the picture's own tag gives, else --ball or the search.
-MirrorBall ball_projection(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const MirrorBall& named,
-                           const std::string& source) {
-  MirrorBall ball = named;
-  const auto tagged = projection_from_text(picture.projection, picture.size());
-  const bool known =
-      (tagged && std::holds_alternative<MirrorBall>(*tagged)) || flags.from.find('=') != std::string::npos;
-  if (!known || flags.ball != "auto") {
-    ball = ball_outline(run, picture, flags, source);
-    if (known && !flags.camera_fov) ball.distance = named.distance;
-  } else if (flags.camera_fov) {
-    ball = ball_in_photograph(ball.disc, picture.size(), *flags.camera_fov);
+/// Half a ball is no sphere; a ball that touches the frame is one with a hole.
+void require_mostly_in_frame(Run& run, const MirrorBall& ball, Size size, const std::string& source) {
+  constexpr double kLeast = 0.6, kWhole = 0.99;
+  constexpr int kRows = 400;
+  double inside = 0, all = 0;
+  for (int k = 0; k < kRows; ++k) {
+    const double y = (2 * (k + 0.5) / kRows - 1) * ball.disc.r, half = std::sqrt(ball.disc.r * ball.disc.r - y * y);
+    const double left = std::max(0.0, ball.disc.cx - half);
+    const double right = std::min(static_cast<double>(size.width), ball.disc.cx + half);
+    all += 2 * half;
+    if (ball.disc.cy + y >= 0 && ball.disc.cy + y <= size.height) inside += std::max(0.0, right - left);
   }
-  if (!flags.reflectance.empty()) require_reflectance(vec3_from_text(flags.reflectance, "--reflectance").array());
-  if (flags.distance) ball.distance = *flags.distance;
-  if (!(ball.distance > 1))
-    throw Error("--distance: the camera must be outside of the ball, more than 1 radius from its centre");
-  return ball;
+  const std::string share = fmt::format("{}: the picture shows {:.0f} % of the ball", source, 100 * inside / all);
+  if (inside < kLeast * all)
+    throw Error(fmt::format("{} ({:.0f}, {:.0f}, radius {:.0f} px); photograph all of it, or correct --ball CX,CY,R",
+                            share, ball.disc.cx, ball.disc.cy, ball.disc.r));
+  if (inside < kWhole * all) run.warn(share + "; the rest of the sphere stays black");
 }
 
 Disc image_circle(Run& run, const RadianceMap& picture, const std::string& source) {
@@ -74,12 +73,31 @@ RadianceMap copy_of(const RadianceMap& map) {
 
 }  // namespace
 
+BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source) {
+  const bool geometry_in_from = flags.from.find('=') != std::string::npos;
+  const auto named = projection_from_text(geometry_in_from ? flags.from : picture.projection, picture.size());
+  const auto* known = named ? std::get_if<MirrorBall>(&*named) : nullptr;
+  MirrorBall ball = known ? *known : MirrorBall{};
+  if (!known || flags.ball != "auto") {
+    ball = ball_outline(run, picture, flags, source);
+    if (known && !flags.camera_fov) ball.distance = known->distance;
+  } else if (flags.camera_fov) {
+    ball = ball_in_photograph(ball.disc, picture.size(), *flags.camera_fov);
+  }
+  require_mostly_in_frame(run, ball, picture.size(), source);
+  if (!flags.reflectance.empty()) require_reflectance(vec3_from_text(flags.reflectance, "--reflectance").array());
+  if (flags.distance) ball.distance = *flags.distance;
+  if (!(ball.distance > 1))
+    throw Error("--distance: the camera must be outside of the ball, more than 1 radius from its centre");
+  return {ball, known || flags.ball != "auto", known || flags.distance || flags.camera_fov};
+}
+
 RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
                            const std::string& default_from, const std::string& source) {
   const std::string from_text = flags.from.empty() && picture.projection.empty() ? default_from : flags.from;
   Projection from = projection_of_probe(from_text, picture.projection, picture.size(), source);
-  if (const auto* named = std::get_if<MirrorBall>(&from)) {
-    const MirrorBall ball = ball_projection(run, picture, flags, *named, source);
+  if (std::holds_alternative<MirrorBall>(from)) {
+    const MirrorBall ball = ball_geometry(run, picture, flags, source).ball;
     from = ball;
     run.answer["ball"] = {{"cx", ball.disc.cx}, {"cy", ball.disc.cy}, {"r", ball.disc.r}};
     run.answer["ball"]["distance"] = std::isfinite(ball.distance) ? Json(ball.distance) : Json(nullptr);

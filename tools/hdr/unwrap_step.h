@@ -6,6 +6,14 @@
 
 namespace hdr::tools {
 
+/// Where the ball is in a picture: by --from or the picture's own tag, else --ball or the search.
+struct BallGeometry {
+  MirrorBall ball;
+  bool outline_known = false;   ///< it was given, not found
+  bool distance_known = false;  ///< it was given, not taken for far or read from the outline
+};
+BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source);
+
 /// `default_from` counts when neither --from nor the picture's hdr:projection says what it is ("" : 2:1 is lat-long).
 /// `source` is the picture's name for messages. Fills the answer's ball, views and projection.
 RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,

@@ -1,0 +1,20 @@
+#pragma once
+// How two maps of the sphere are turned against each other, without a first guess.
+#include "libhdr/core/vec.h"
+#include "libhdr/probe/internal/ball_sphere.h"
+
+namespace hdr::internal {
+
+struct RotationMatch {
+  Mat3 a_from_b = Mat3::Identity();
+  double distance_a = 0, distance_b = 0;  ///< of the cameras, radii: given, or the best of a few that were tried
+  double correlation = -1;                ///< of detail, weighted, at about 2 degrees
+};
+
+/// The rotation under which two views agree best, and roughly the distances that are not known.
+RotationMatch match_rotation(const BallView& a, const BallView& b);
+
+/// Weighted correlation of two maps' detail under a rotation, -1 where they hardly overlap.
+double correlation(const SphereMap& a, const SphereMap& b, const Mat3& a_from_b, const std::vector<Vec3>& directions);
+
+}  // namespace hdr::internal

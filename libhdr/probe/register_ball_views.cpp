@@ -1,0 +1,255 @@
+#include <ceres/ceres.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/error.h"
+#include "libhdr/core/sphere.h"
+#include "libhdr/probe/ball_views.h"
+#include "libhdr/probe/internal/ball_sphere.h"
+#include "libhdr/probe/internal/rotation_search.h"
+
+namespace hdr {
+namespace {
+
+constexpr double kLeastCorrelation = 0.35;  ///< of detail: other scenes stay below 0.2
+constexpr double kMostInverseDistance = 0.7;
+
+/// What is fitted of a view. A rotation is a small turn on top of a first one.
+struct Unknowns {
+  Mat3 first = Mat3::Identity();
+  double turn[3] = {0, 0, 0};
+  double log_gain = 0;
+  double inverse_distance = 0;
+  double outline[3] = {0, 0, 0};  ///< centre moved, radius grown, in radii
+
+  MirrorBall ball(const MirrorBall& given) const {
+    return internal::changed(given, inverse_distance, {outline[0], outline[1], outline[2]});
+  }
+  Mat3 probe_from_view() const { return turned(first, turn); }
+  static Mat3 turned(const Mat3& first, const double* turn) {
+    const Vec3 v(turn[0], turn[1], turn[2]);
+    const double angle = v.norm();
+    return angle > 0 ? Mat3(Eigen::AngleAxisd(angle, v / angle).toRotationMatrix() * first) : first;
+  }
+};
+
+/// Views a and b in one direction of the probe.
+struct Disagreement {
+  const internal::LogView *a, *b;
+  Mat3 first_a, first_b;
+  Vec3 dir;
+  double root_weight;
+
+  bool operator()(const double* turn_a, const double* turn_b, const double* gain_a, const double* gain_b,
+                  const double* distance_a, const double* distance_b, const double* outline_a, const double* outline_b,
+                  double* residual) const {
+    const auto va = a->at(Unknowns::turned(first_a, turn_a).transpose() * dir, std::max(0.0, *distance_a),
+                          Vec3(outline_a[0], outline_a[1], outline_a[2]));
+    const auto vb = b->at(Unknowns::turned(first_b, turn_b).transpose() * dir, std::max(0.0, *distance_b),
+                          Vec3(outline_b[0], outline_b[1], outline_b[2]));
+    *residual = va && vb ? root_weight * (*va + *gain_a - *vb - *gain_b) : 0;
+    return true;
+  }
+};
+
+/// Without evidence the camera is far.
+struct FarAtFirst {
+  bool operator()(const double* inverse_distance, double* residual) const {
+    *residual = *inverse_distance / 0.3;
+    return true;
+  }
+};
+
+/// An outline that was found is right to about half a pixel.
+struct WhereItWasFound {
+  double radius_px;
+  bool operator()(const double* outline, double* residual) const {
+    constexpr double kDeviation = 0.5;
+    for (int k = 0; k < 3; ++k) residual[k] = outline[k] * radius_px / kDeviation;
+    return true;
+  }
+};
+
+double pair_weight(const BallView& a, const BallView& b, const Vec3& dir_a, const Vec3& dir_b) {
+  const double wa = internal::visibility(a, dir_a) * internal::nobody_there(a, dir_a);
+  const double wb = internal::visibility(b, dir_b) * internal::nobody_there(b, dir_b);
+  return wa * wb;
+}
+
+/// The view as registered so far.
+BallView as_registered(const BallView& view, const Unknowns& u) {
+  BallView result = view;
+  result.ball = u.ball(view.ball);
+  return result;
+}
+
+/// Keeps what is known of a view, and within reason what is not.
+void constrain(ceres::Problem& problem, const BallView& view, Unknowns& u) {
+  using ceres::FORWARD, ceres::NumericDiffCostFunction;
+  if (view.outline_known) {
+    problem.SetParameterBlockConstant(u.outline);
+  } else {
+    problem.AddResidualBlock(
+        new NumericDiffCostFunction<WhereItWasFound, FORWARD, 3, 3>(new WhereItWasFound{view.ball.disc.r}), nullptr,
+        u.outline);
+  }
+  if (view.distance_known) {
+    problem.SetParameterBlockConstant(&u.inverse_distance);
+  } else {
+    problem.SetParameterLowerBound(&u.inverse_distance, 0, 0);
+    problem.SetParameterUpperBound(&u.inverse_distance, 0, kMostInverseDistance);
+    problem.AddResidualBlock(new NumericDiffCostFunction<FarAtFirst, FORWARD, 1, 1>(new FarAtFirst), nullptr,
+                             &u.inverse_distance);
+  }
+}
+
+/// One round of the fit, on pictures in which the balls have this radius.
+void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns, double radius_px, int directions) {
+  constexpr double kLeastWeight = 0.02, kCauchy = 0.1;
+  std::vector<internal::LogView> pictures;
+  for (const BallView& view : views) pictures.push_back(internal::log_view(view, radius_px));
+  for (Unknowns& u : unknowns) {
+    u.first = u.probe_from_view();
+    std::fill_n(u.turn, 3, 0.0);
+  }
+  std::vector<BallView> seen;
+  for (std::size_t k = 0; k < views.size(); ++k) seen.push_back(as_registered(views[k], unknowns[k]));
+  ceres::Problem problem;
+  ceres::LossFunction* loss = new ceres::CauchyLoss(kCauchy);
+  for (std::size_t j = 1; j < views.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      for (const Vec3& dir : internal::even_directions(directions)) {
+        const double weight =
+            pair_weight(views[i], views[j], unknowns[i].first.transpose() * dir, unknowns[j].first.transpose() * dir);
+        if (weight < kLeastWeight) continue;
+        auto* cost = new ceres::NumericDiffCostFunction<Disagreement, ceres::FORWARD, 1, 3, 3, 1, 1, 1, 1, 3, 3>(
+            new Disagreement{&pictures[i], &pictures[j], unknowns[i].first, unknowns[j].first, dir, std::sqrt(weight)});
+        problem.AddResidualBlock(cost, loss, unknowns[i].turn, unknowns[j].turn, &unknowns[i].log_gain,
+                                 &unknowns[j].log_gain, &unknowns[i].inverse_distance, &unknowns[j].inverse_distance,
+                                 unknowns[i].outline, unknowns[j].outline);
+      }
+    }
+  }
+  if (problem.NumResidualBlocks() == 0) return;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    if (!problem.HasParameterBlock(unknowns[k].turn)) continue;
+    if (k == 0) {
+      problem.SetParameterBlockConstant(unknowns[0].turn);
+      problem.SetParameterBlockConstant(&unknowns[0].log_gain);
+    }
+    constrain(problem, views[k], unknowns[k]);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 15;
+  options.function_tolerance = 1e-5;
+  options.num_threads = 1;  // sums in one order
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+}
+
+/// Rms of ln(radiance) against the other views, where both see well; differences beyond three times the median count as
+/// that: somebody stands there.
+double overlap_rms(const std::vector<BallView>& views, const std::vector<Unknowns>& unknowns, std::size_t k) {
+  constexpr int kDirections = 5000;
+  constexpr double kLeastWeight = 0.05, kRadius = 60;
+  const internal::LogView mine = internal::log_view(views[k], kRadius);
+  std::vector<std::pair<double, double>> differences;  // size, weight
+  for (std::size_t other = 0; other < views.size(); ++other) {
+    if (other == k) continue;
+    const internal::LogView theirs = internal::log_view(views[other], kRadius);
+    for (const Vec3& dir : internal::even_directions(kDirections)) {
+      const Vec3 dir_k = unknowns[k].probe_from_view().transpose() * dir;
+      const Vec3 dir_other = unknowns[other].probe_from_view().transpose() * dir;
+      const double weight = pair_weight(views[k], views[other], dir_k, dir_other);
+      if (weight < kLeastWeight) continue;
+      const auto a = mine.at(dir_k, 1 / views[k].ball.distance);
+      const auto b = theirs.at(dir_other, 1 / views[other].ball.distance);
+      if (a && b) differences.emplace_back(std::abs(*a + unknowns[k].log_gain - *b - unknowns[other].log_gain), weight);
+    }
+  }
+  if (differences.empty()) return 0;
+  std::sort(differences.begin(), differences.end());
+  const double most = 3 * 1.4826 * differences[differences.size() / 2].first;
+  double sum = 0, weights = 0;
+  for (const auto& [size, weight] : differences) {
+    sum += weight * std::min(size, most) * std::min(size, most);
+    weights += weight;
+  }
+  return std::sqrt(sum / weights);
+}
+
+double detail_correlation(const BallView& a, const BallView& b, const Mat3& a_from_b) {
+  constexpr int kWidth = 192, kDirections = 8000;
+  return internal::correlation({a, kWidth}, {b, kWidth}, a_from_b, internal::even_directions(kDirections));
+}
+
+/// Log of the gain that brings view b to view a: the weighted median of their differences.
+double first_log_gain(const BallView& a, const BallView& b, const Mat3& a_from_b) {
+  const internal::LogView pa = internal::log_view(a, 30), pb = internal::log_view(b, 30);
+  std::vector<double> differences;
+  for (const Vec3& dir : internal::even_directions(1000)) {
+    const Vec3 dir_b = a_from_b.transpose() * dir;
+    if (pair_weight(a, b, dir, dir_b) < 0.05) continue;
+    const auto va = pa.at(dir, 1 / a.ball.distance), vb = pb.at(dir_b, 1 / b.ball.distance);
+    if (va && vb) differences.push_back(*va - *vb);
+  }
+  if (differences.empty()) return 0;
+  std::nth_element(differences.begin(), differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2),
+                   differences.end());
+  return differences[differences.size() / 2];
+}
+
+}  // namespace
+
+std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& views,
+                                                const std::vector<std::string>& names) {
+  HDR_ASSERT(names.size() == views.size());
+  std::vector<Unknowns> unknowns(views.size());
+  std::vector<RegisteredView> result(views.size());
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    unknowns[k].inverse_distance = 1 / views[k].ball.distance;
+    if (k == 0) continue;
+    // Against whichever of the views before fits best.
+    internal::RotationMatch best;
+    std::size_t partner = 0;
+    for (std::size_t i = 0; i < k; ++i) {
+      const internal::RotationMatch match = internal::match_rotation(views[i], views[k]);
+      if (match.correlation <= best.correlation) continue;
+      best = match;
+      partner = i;
+    }
+    unknowns[k].first = unknowns[partner].first * best.a_from_b;
+    unknowns[k].inverse_distance = 1 / best.distance_b;
+    if (k == 1) unknowns[0].inverse_distance = 1 / best.distance_a;
+    unknowns[k].log_gain = unknowns[partner].log_gain + first_log_gain(views[partner], views[k], best.a_from_b);
+  }
+  refine(views, unknowns, 50, 1500);
+  refine(views, unknowns, 120, 2500);
+  refine(views, unknowns, 280, 4000);
+
+  std::vector<BallView> fitted;
+  for (std::size_t k = 0; k < views.size(); ++k) fitted.push_back(as_registered(views[k], unknowns[k]));
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    double correlation = k == 0 ? 1 : -1;
+    for (std::size_t i = 0; i < k; ++i) {
+      correlation = std::max(
+          correlation, detail_correlation(fitted[i], fitted[k],
+                                          unknowns[i].probe_from_view().transpose() * unknowns[k].probe_from_view()));
+    }
+    if (correlation < kLeastCorrelation) {
+      throw Error(
+          fmt::format("{}: does not show what {} shows (correlation {:.2f}); give views of one ball in one place, "
+                      "less than 150 degrees apart, or check --ball",
+                      names[k], names[0], correlation));
+    }
+    result[k] = {unknowns[k].probe_from_view(), std::exp(unknowns[k].log_gain), fitted[k].ball,
+                 overlap_rms(fitted, unknowns, k), correlation};
+  }
+  return result;
+}
+
+}  // namespace hdr

@@ -1,0 +1,157 @@
+#include "libhdr/probe/internal/rotation_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/parallel.h"
+#include "libhdr/core/sphere.h"
+
+namespace hdr::internal {
+namespace {
+
+/// `count` rotations spread evenly over SO(3): super-Fibonacci spirals [Alexa22].
+Mat3 spread_rotation(int k, int count) {
+  constexpr double kPhi = std::numbers::sqrt2, kPsi = 1.533751168755204288118041;
+  const double s = k + 0.5, t = s / count, r = std::sqrt(t), big = std::sqrt(1 - t);
+  const double alpha = 2 * kPi * s / kPhi, beta = 2 * kPi * s / kPsi;
+  return Eigen::Quaterniond(big * std::cos(beta), r * std::sin(alpha), r * std::cos(alpha), big * std::sin(beta))
+      .normalized()
+      .toRotationMatrix();
+}
+
+double angle_between(const Mat3& a, const Mat3& b) {
+  return std::acos(std::clamp(0.5 * ((a.transpose() * b).trace() - 1), -1.0, 1.0));
+}
+
+bool better(const RotationMatch& a, const RotationMatch& b) {
+  return a.correlation > b.correlation;
+}
+
+/// Climbs by turning about the three axes by ever smaller steps.
+RotationMatch climbed(const SphereMap& a, const SphereMap& b, RotationMatch match, const std::vector<Vec3>& directions,
+                      double first_step, double last_step) {
+  match.correlation = correlation(a, b, match.a_from_b, directions);
+  for (double step = first_step; step > last_step; step *= 0.5) {
+    constexpr int kMostRounds = 12;
+    bool moved = true;
+    for (int round = 0; moved && round < kMostRounds; ++round) {
+      moved = false;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const double sign : {-1.0, 1.0}) {
+          const Mat3 turned = Eigen::AngleAxisd(sign * step, Vec3::Unit(axis)).toRotationMatrix() * match.a_from_b;
+          const double c = correlation(a, b, turned, directions);
+          if (c <= match.correlation) continue;
+          match.a_from_b = turned;
+          match.correlation = c;
+          moved = true;
+        }
+      }
+    }
+  }
+  return match;
+}
+
+/// The best, none within `apart` of a better one.
+std::vector<RotationMatch> distinct(std::vector<RotationMatch> matches, std::size_t most, double apart) {
+  std::stable_sort(matches.begin(), matches.end(), better);
+  std::vector<RotationMatch> kept;
+  for (const RotationMatch& m : matches) {
+    if (kept.size() >= most) break;
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const RotationMatch& k) {
+      return angle_between(k.a_from_b, m.a_from_b) < apart;
+    });
+    if (!known) kept.push_back(m);
+  }
+  return kept;
+}
+
+std::vector<RotationMatch> climb_all(const SphereMap& a, const SphereMap& b, std::vector<RotationMatch> matches,
+                                     const std::vector<Vec3>& directions, double first_step, double last_step) {
+  for_rows(static_cast<int>(matches.size()), 1, [&](int k, int) {
+    RotationMatch& match = matches[static_cast<std::size_t>(k)];
+    match = climbed(a, b, match, directions, first_step, last_step);
+  });
+  return matches;
+}
+
+BallView at_distance(const BallView& view, double inverse_distance) {
+  BallView result = view;
+  if (!view.distance_known)
+    result.ball.distance = inverse_distance > 0 ? 1 / inverse_distance : std::numeric_limits<double>::infinity();
+  return result;
+}
+
+/// Everywhere, coarsely; the best of it refined once.
+std::vector<RotationMatch> coarse_matches(const BallView& a, const BallView& b) {
+  constexpr int kRotations = 60000;  // 6 degrees apart
+  constexpr int kWidth = 64;
+  const SphereMap map_a(a, kWidth), map_b(b, kWidth);
+  const std::vector<Vec3> few = even_directions(400), more = even_directions(1500);
+  std::vector<RotationMatch> matches(kRotations);
+  for_rows(kRotations, 500, [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      RotationMatch& match = matches[static_cast<std::size_t>(k)];
+      match.a_from_b = spread_rotation(k, kRotations);
+      match.correlation = correlation(map_a, map_b, match.a_from_b, few);
+    }
+  });
+  matches = distinct(std::move(matches), 60, 7 * kDegree);
+  return distinct(climb_all(map_a, map_b, std::move(matches), more, 3 * kDegree, 0.7 * kDegree), 8, 4 * kDegree);
+}
+
+}  // namespace
+
+double correlation(const SphereMap& a, const SphereMap& b, const Mat3& a_from_b, const std::vector<Vec3>& directions) {
+  constexpr double kLeastOverlap = 0.04;  ///< mean weight of the directions; it is 0.3 when all of both views overlaps
+  const Mat3 b_from_a = a_from_b.transpose();
+  double w = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+  for (const Vec3& dir : directions) {
+    const SphereMap::Cell &cell_a = a.at(dir), &cell_b = b.at(b_from_a * dir);
+    const double weight = static_cast<double>(cell_a.weight * cell_b.weight);
+    const double va = static_cast<double>(cell_a.value), vb = static_cast<double>(cell_b.value);
+    w += weight;
+    sa += weight * va;
+    sb += weight * vb;
+    saa += weight * va * va;
+    sbb += weight * vb * vb;
+    sab += weight * va * vb;
+  }
+  if (w < kLeastOverlap * static_cast<double>(directions.size())) return -1;
+  const double variance = (saa - sa * sa / w) * (sbb - sb * sb / w);
+  return variance > 0 ? (sab - sa * sb / w) / std::sqrt(variance) : 0;
+}
+
+RotationMatch match_rotation(const BallView& a, const BallView& b) {
+  constexpr int kWidth = 192;
+  constexpr double kTypical = 0.07;  ///< inverse distance of a camera at 14 radii
+  const std::vector<RotationMatch> starts = coarse_matches(at_distance(a, kTypical), at_distance(b, kTypical));
+  const std::vector<Vec3> many = even_directions(6000);
+  const bool known = a.distance_known && b.distance_known;
+  RotationMatch best;
+  // One distance for both, where it is not known; then each for itself.
+  const auto consider = [&](const BallView& seen_a, const BallView& seen_b, const std::vector<RotationMatch>& from,
+                            double first_step) {
+    const SphereMap map_a(seen_a, kWidth), map_b(seen_b, kWidth);
+    for (RotationMatch& match : climb_all(map_a, map_b, from, many, first_step, 0.3 * kDegree)) {
+      if (match.correlation <= best.correlation) continue;
+      best = match;
+      best.distance_a = seen_a.ball.distance;
+      best.distance_b = seen_b.ball.distance;
+    }
+  };
+  for (const double inverse : {kTypical, 0.0, 0.035, 0.11, 0.16, 0.22}) {
+    consider(at_distance(a, inverse), at_distance(b, inverse), starts, 2.4 * kDegree);
+    if (known) return best;
+  }
+  for (const bool of_a : {true, false}) {
+    for (const double change : {-0.04, 0.04}) {
+      const RotationMatch from = best;
+      const BallView seen_a = at_distance(a, 1 / from.distance_a + (of_a ? change : 0));
+      const BallView seen_b = at_distance(b, 1 / from.distance_b + (of_a ? 0 : change));
+      consider(seen_a, seen_b, {from}, 1.2 * kDegree);
+    }
+  }
+  return best;
+}
+
+}  // namespace hdr::internal

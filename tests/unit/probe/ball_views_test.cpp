@@ -1,0 +1,120 @@
+#include "libhdr/probe/ball_views.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/error.h"
+#include "libhdr/core/sphere.h"
+#include "libhdr/probe/photograph.h"
+#include "libhdr/probe/photographer.h"
+#include "tests/unit/probe/made_up_environments.h"
+
+namespace hdr {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+double degrees_between(const Mat3& a, const Mat3& b) {
+  return std::acos(std::clamp(0.5 * ((a.transpose() * b).trace() - 1), -1.0, 1.0)) / kDegree;
+}
+
+/// Photographs of one ball in a textured room, each from another place, its photographer in it.
+struct Photographs {
+  Photographs(std::uint64_t seed, const std::vector<Vec3>& turns, const std::vector<double>& distances,
+              const std::vector<double>& gains, bool distances_known)
+      : room(seed, 0.4) {
+    const Image<float> scene = test::latlong_of(512, room);
+    Random random(seed, 9);
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+      const MirrorBall ball{{200 + 3 * random.uniform(), 160 + 3 * random.uniform(), 145}, distances[k]};
+      scene_from_view.push_back(rotation_from_degrees(turns[k]));
+      Image<float> picture =
+          photograph_ball(with_photographer(scene, 8, scene_from_view[k]), {400, 320}, ball, 35, scene_from_view[k]);
+      for (int y = 0; y < 320; ++y) {
+        for (int x = 0; x < 1200; ++x) {
+          float& value = picture.row(y)[x];
+          value = static_cast<float>(value / gains[k] * (1 + 0.01 * random.normal()));
+        }
+      }
+      pictures.push_back(std::move(picture));
+      views.push_back({pictures[k], distances_known ? ball : MirrorBall{ball.disc}, true, distances_known, {}});
+      names.push_back("view " + std::to_string(k + 1));
+    }
+  }
+  Mat3 true_probe_from_view(std::size_t k) const { return scene_from_view[0].transpose() * scene_from_view[k]; }
+
+  test::SoftRoom room;
+  std::vector<Mat3> scene_from_view;
+  std::vector<Image<float>> pictures;
+  std::vector<BallView> views;
+  std::vector<std::string> names;
+};
+
+void expect_registered(const Photographs& p, const std::vector<double>& gains, const std::vector<double>& distances,
+                       const std::string& which) {
+  const std::vector<RegisteredView> found = register_ball_views(p.views, p.names);
+  EXPECT_TRUE(found[0].probe_from_view.isIdentity(0)) << "the first view sets the axes";
+  EXPECT_EQ(found[0].gain, 1);
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    EXPECT_LT(degrees_between(found[k].probe_from_view, p.true_probe_from_view(k)), 0.1) << which << " view " << k;
+    EXPECT_NEAR(found[k].gain / (gains[k] / gains[0]), 1, 0.01) << which << " view " << k;
+    EXPECT_LT(found[k].overlap_rms, 0.1) << which;
+    EXPECT_NEAR(1 / found[k].ball.distance, 1 / distances[k], 0.01) << which << " view " << k;
+  }
+}
+
+TEST(BallViews, NinetyDegreesApartTheRotationIsFound) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Random random(seed, 10);
+    const Vec3 first(0, 360 * random.uniform(), 0);
+    const Vec3 second = first + Vec3(10 * random.uniform() - 5, 90, 10 * random.uniform() - 5);
+    expect_registered({seed, {first, second}, {kFar, kFar}, {1, 1.3}, true}, {1, 1.3}, {kFar, kFar},
+                      "far, seed " + std::to_string(seed));
+  }
+  expect_registered({11, {{0, 10, 0}, {3, 100, 2}}, {8, 12}, {1, 0.8}, true}, {1, 0.8}, {8, 12}, "near");
+}
+
+TEST(BallViews, UnknownDistancesAreFoundWithTheRotation) {
+  expect_registered({21, {{0, 10, 0}, {2, 95, -4}}, {7, 10}, {1, 1}, false}, {1, 1}, {7, 10}, "two");
+  expect_registered({22, {{0, 10, 0}, {2, 130, -4}, {0, 240, 5}}, {12, kFar, 20}, {1, 1.1, 0.9}, false}, {1, 1.1, 0.9},
+                    {12, kFar, 20}, "three");
+}
+
+TEST(BallViews, OtherRoomsAreRefused) {
+  for (std::uint64_t seed = 31; seed < 33; ++seed) {
+    Photographs here(seed, {{0, 0, 0}}, {kFar}, {1}, true), elsewhere(seed + 100, {{0, 90, 0}}, {kFar}, {1}, true);
+    try {
+      const auto found = register_ball_views({here.views[0], elsewhere.views[0]}, {"here.exr", "elsewhere.exr"});
+      ADD_FAILURE() << "registered with correlation " << found[1].correlation;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("elsewhere.exr"), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(BallViews, TogetherTheyShowEverythingAndNobody) {
+  const Photographs p(41, {{0, 20, 0}, {2, 110, -3}}, {10, 10}, {1, 1.2}, true);
+  const auto registered = register_ball_views(p.views, p.names);
+  const Size size{256, 128};
+  const Image<float> joined = join_ball_views(p.views, registered, LatLong{size}, size);
+  const Image<float> alone = join_ball_views({p.views[0]}, {registered[0]}, LatLong{size}, size);
+  int wrong = 0, wrong_alone = 0, dark = 0;
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const Vec3 d = dir_from_latlong((x + 0.5) / size.width, (y + 0.5) / size.height);
+      const double truth = p.room(p.scene_from_view[0] * d, 1);
+      ASSERT_TRUE(std::isfinite(joined(x, y, 1)));
+      dark += joined(x, y, 1) <= 0 ? 1 : 0;
+      wrong += std::abs(std::log2(std::max(1e-6f, joined(x, y, 1)) / truth)) > 0.5 ? 1 : 0;
+      wrong_alone += std::abs(std::log2(std::max(1e-6f, alone(x, y, 1)) / truth)) > 0.5 ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(dark, 0) << "the merged probe covers the sphere";
+  EXPECT_LT(wrong, 0.005 * size.width * size.height) << "of " << wrong_alone << " in one view alone";
+  EXPECT_GT(wrong_alone, 0.02 * size.width * size.height) << "the photographer was there";
+}
+
+}  // namespace
+}  // namespace hdr
