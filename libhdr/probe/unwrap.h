@@ -6,12 +6,16 @@
 namespace hdr {
 
 /// Picture `to` (of the given size) from picture `source` (projection `from`), where probe direction d shows what
-/// `source` has in direction source_from_probe * d. Anti-aliased: each output pixel is the mean over its footprint, one
-/// sample a source pixel (at most max_samples an axis) and bilinear in the source, wrapping at a lat-long's seam and
-/// crossing its poles; where the picture is magnified it is one bilinear sample. A pixel that the source covers partly
-/// is the mean over the covered part; what the source does not show is 0. Channels as the source.
+/// `source` has in direction source_from_probe * d. Each output pixel is a mean of the source weighed by a kernel on
+/// the parallelogram that the Jacobian makes of an output pixel, and no less than a source pixel [Heckbert89]: cubic
+/// convolution [Keys81] where the picture is made smaller and has detail that smaller pixels cannot show, a windowed
+/// sinc of eight points elsewhere, and linear interpolation around suns (brighter than eight times what surrounds
+/// them), where those would ring. It wraps at a lat-long's seam and crosses its poles, a cube's edges and an
+/// octahedron's. Pixels that a ball's or a lens's rim cuts do not count. A pixel of which the output or the source
+/// shows a part is what that part shows in its middle; what the source does not show is 0. Where no source sample is
+/// negative no result is. Channels as the source. The same bytes for any number of threads.
 Image<float> resample(View<const float> source, const Projection& from, const Projection& to, Size size,
-                      const Mat3& source_from_probe = Mat3::Identity(), int max_samples = 64);
+                      const Mat3& source_from_probe = Mat3::Identity());
 
 /// resample() with the map's tags kept and its projection set to `to`.
 RadianceMap unwrap(const RadianceMap& source, const Projection& from, const Projection& to, Size size,

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "libhdr/core/error.h"
+#include "libhdr/probe/vignetting.h"
 
 namespace hdr::tools {
 namespace {
@@ -220,6 +221,10 @@ void UnwrapFlags::declare(CLI::App& app) {
           CLI::IsMember({"equidistant", "equisolid", "stereographic", "orthographic", "polynomial", "kannala-brandt"}));
   app.add_option("--lens-k", lens_k, "K1,K2,K3,K4 of a polynomial or kannala-brandt lens");
   app.add_option("--distortion", distortion, "K1,K2,P1,P2,K3 of a rectilinear lens (Brown-Conrady, as OpenCV's)");
+  app.add_option(
+      "--vignetting", vignetting,
+      "K1,K2,K3: the picture's lens passes 1 + K1 r^2 + K2 r^4 + K3 r^6, r in half-diagonals (lensfun's pa); "
+      "divided out");
   app.add_option("--rotate", rotate, "X,Y,Z degrees: d_out = Rz Ry Rx d_in")->capture_default_str();
   const auto conventions = CLI::IsMember(
       {"openexr", "usd", "mitsuba", "blender", "threejs", "gltf", "pbrt", "alicevision", "hdrtoolbox", "opengl"});
@@ -269,6 +274,12 @@ void apply_convention(Convention convention, Projection& projection) {
 }
 
 }  // namespace
+
+void UnwrapFlags::correct_vignetting(RadianceMap& map) const {
+  if (vignetting.empty()) return;
+  const std::vector<double> k = numbers_from_text(vignetting, "--vignetting", 3);
+  divide_vignetting(map, {k[0], k[1], k[2]});
+}
 
 bool UnwrapFlags::target_has_field() const {
   return to.starts_with(Fisheye::kName) || to.starts_with(Rectilinear::kName);

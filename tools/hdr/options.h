@@ -86,7 +86,7 @@ struct WriteFlags {
 
 struct UnwrapFlags {
   std::string from, to = "latlong", ball = "auto", circle = "auto", rotate = "0,0,0";
-  std::string convention = "openexr", from_convention, lens, lens_k, distortion;
+  std::string convention = "openexr", from_convention, lens, lens_k, distortion, vignetting;
   std::optional<double> distance;
   std::optional<double> fov, camera_fov;
   std::string reflectance;
@@ -97,6 +97,8 @@ struct UnwrapFlags {
   NewPicture target() const;
   /// What the options say of the picture's own lens and axes, beyond what `from` knows of it.
   void apply_to_source(Projection& source, bool with_fov) const;
+  /// Divides --vignetting out of what was read.
+  void correct_vignetting(RadianceMap& map) const;
   /// Whether what is written has a field that --fov could mean.
   bool target_has_field() const;
 };

@@ -27,6 +27,7 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
     Merged merged = merge_shots(run, inputs);
     answer_merge(run, inputs, merged);
     const std::string reference = run.answer["reference"];
+    options->unwrap.correct_vignetting(merged.map);
     RadianceMap probe = unwrap_picture(run, merged.map, options->unwrap, MirrorBall::kName, reference);
     scale_by_lux(run, options->pipeline.scale, probe, merged.map);
     const Provenance provenance = provenance_of(run, inputs);

@@ -34,6 +34,8 @@ class Neighbourhood {
   /// the picture does not show it.
   bool tap(int region, int x, int y, float* value) const;
 
+  /// Beyond its disc the picture shows nothing.
+  bool ends_at_rim() const { return kind_ == Kind::kDisc; }
   bool is_latlong() const { return kind_ == Kind::kLatLong; }
 
  private:

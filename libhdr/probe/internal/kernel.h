@@ -1,0 +1,63 @@
+#pragma once
+// The two one-dimensional kernels of resampling, t in units of the kernel's scale: an output pixel where the picture is
+// made smaller, a source pixel where it is not.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hdr::internal {
+
+/// Cubic convolution on six points [Keys81]: a Hermite cubic through the samples whose slopes are differences over
+/// five, (kNear, kFar) at distance 1 and 2. Keys's own slopes (-2/3, 1/12) are exact for polynomials of the fourth
+/// degree; these are still exact for straight lines (kNear + 2 kFar = -1/2) and closer to a sinc up to half of Nyquist.
+/// For what is made smaller: scaled, it passes what the output can show and stops the rest.
+struct SharpKernel {
+  static constexpr float kReach = 3;
+  static constexpr float kNear = -0.80f, kFar = 0.15f;
+  static double at(double t) {
+    t = std::abs(t);
+    constexpr double n = kNear, f = kFar;
+    if (t < 1) return 1 + t * t * ((2 + n) * t - (3 + n));
+    if (t < 2) {
+      const double u = t - 1;
+      return u * (n + u * ((n + f) * u - (2 * n + f)));
+    }
+    if (t < 3) {
+      const double u = t - 2;
+      return u * f * (1 + u * (u - 2));
+    }
+    return 0;
+  }
+};
+
+/// A sinc of eight points under a Kaiser window, its weights brought to 1: rms error over all phases .16 % at a
+/// sixteenth of the sampling rate, .14 % at an eighth, .28 % at a quarter, 5 % at .35 (Lanczos's window of that width:
+/// .26, .38, .57, 2 %). For what is not made smaller.
+struct InterpolatingKernel {
+  static constexpr float kReach = 4;
+  static double at(double t) {
+    if (std::abs(t) >= 4) return 0;
+    constexpr double kBeta = 5;
+    const double x = std::numbers::pi * t;
+    const double sinc = std::abs(x) < 1e-9 ? 1 : std::sin(x) / x;
+    return sinc * bessel_i0(kBeta * std::sqrt(1 - t * t / 16)) / bessel_i0(kBeta);
+  }
+
+ private:
+  static double bessel_i0(double x) {
+    double sum = 1, term = 1;
+    for (int k = 1; term > 1e-12 * sum; ++k) {
+      term *= 0.25 * x * x / (k * k);
+      sum += term;
+    }
+    return sum;
+  }
+};
+
+/// Linear interpolation: it cannot ring, nor make what was positive negative.
+struct TentKernel {
+  static constexpr float kReach = 1;
+  static double at(double t) { return std::max(0.0, 1 - std::abs(t)); }
+};
+
+}  // namespace hdr::internal

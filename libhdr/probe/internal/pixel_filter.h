@@ -1,0 +1,78 @@
+#pragma once
+// The weighted mean of the source over one output pixel's kernel.
+#include <cstdint>
+#include <vector>
+
+#include "libhdr/core/image.h"
+#include "libhdr/probe/internal/contrast.h"
+#include "libhdr/probe/internal/coordinates.h"
+#include "libhdr/probe/internal/kernel_shape.h"
+#include "libhdr/probe/internal/neighbourhood.h"
+#include "libhdr/probe/internal/source_picture.h"
+
+namespace hdr::internal {
+
+/// Up to this scale only waves shorter than 3.2 source pixels could come out wrong when they are interpolated, and no
+/// lens leaves much of those.
+inline constexpr double kHarmlessScale = 1.6;
+
+/// One pixel anywhere: at seams, poles, faces' edges and rims; any number of channels.
+class PixelFilter {
+ public:
+  PixelFilter(const Neighbourhood& source, const SourcePicture& bilinear, const Contrast& contrast);
+
+  /// mean[c] for each channel, at a position in the source (continuous pixels).
+  /// `scale` is the larger axis of the output pixel's ellipse, which decides whether to interpolate.
+  void write(int region, const Vec2& px, const KernelShape& shape, double scale, float* mean);
+
+ private:
+  struct Sums {
+    double weight = 0, whole_weight = 0;
+    bool missing = false;  ///< a tap that the picture does not show
+  };
+  template <class Kernel>
+  Sums add(int region, const Vec2& px, const KernelShape& shape);
+  PixelBox seen(const Vec2& px, const KernelShape& shape) const;
+  bool is_harsh(const PixelBox& box) const;
+
+  const Neighbourhood& source_;
+  const SourcePicture& bilinear_;
+  const Contrast& contrast_;
+  std::vector<double> sum_, weights_;
+  std::vector<float> value_;
+};
+
+/// The positions and kernels of a tile's pixels, in planes; x and y in pixel numbers (the centre of pixel 0 is 0).
+struct TilePixels {
+  static constexpr int kCount = Tile::kSide * Tile::kSide;
+  alignas(64) float x[kCount], y[kCount], across[kCount], down[kCount], shear[kCount];
+  alignas(64) float scale[kCount];  ///< the ellipse's larger axis, source pixels an output pixel
+};
+
+/// Around all positions of a tile, and its largest scale.
+struct TileBounds {
+  float x0, y0, x1, y1, scale;
+};
+
+/// Of the first tile.width x tile.height pixels; row k at k * kSide.
+TileBounds place_tile(const TilePolynomial& polynomial, const Tile& tile, TilePixels& pixels);
+
+/// kInterpolated is for what is not made smaller, or has nothing that smaller pixels could not show.
+enum class KernelKind : std::uint8_t { kNone, kSharp, kTent, kInterpolated };
+
+/// Vectors may be read from a kernel's first pixels on, and so this many beyond its last: they must exist.
+inline constexpr int kReadBeyond = 1;
+
+/// Filters `count` pixels of one row of a tile, starting at plane index `first`, three channels, from a source of which
+/// every pixel under the kernels is plain. Results below `floor` are raised to it.
+struct RowTask {
+  const float* source;
+  std::ptrdiff_t stride;
+  const TilePixels* pixels;
+  const KernelKind* kinds;  ///< like the planes; kNone: this pixel is not wanted
+  int first, count;
+  float floor;
+};
+void filter_row(const RowTask& task, float* rgb);
+
+}  // namespace hdr::internal

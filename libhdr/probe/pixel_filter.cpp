@@ -1,0 +1,108 @@
+#include "libhdr/probe/internal/pixel_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/kernel.h"
+
+namespace hdr::internal {
+namespace {
+
+/// On a lat-long a step of one column is shorter the nearer a row is to its pole: by how much more than in the kernel's
+/// middle. Rows beyond the pole mirror those before it.
+double widening(int row, double middle_y, int height) {
+  const double here = std::abs(std::sin(kPi * middle_y / height)),
+               there = std::abs(std::sin(kPi * (row + 0.5) / height));
+  return here / std::max(there, 1e-9);
+}
+
+}  // namespace
+
+PixelFilter::PixelFilter(const Neighbourhood& source, const SourcePicture& bilinear, const Contrast& contrast)
+    : source_(source),
+      bilinear_(bilinear),
+      contrast_(contrast),
+      sum_(static_cast<std::size_t>(source.pixels().channels())),
+      value_(sum_.size()) {}
+
+template <class Kernel>
+PixelFilter::Sums PixelFilter::add(int region, const Vec2& px, const KernelShape& shape) {
+  const View<const float> pixels = source_.pixels();
+  const double x = px.x() - 0.5, y = px.y() - 0.5;
+  const int channels = pixels.channels();
+  // Beyond the circle itself a row would be weighed again.
+  const double most_across = source_.is_latlong() ? pixels.width() / (2.0 * Kernel::kReach) : 1e9;
+  std::fill(sum_.begin(), sum_.end(), 0.0);
+  Sums sums;
+  const double half_height = Kernel::kReach * shape.down;
+  for (int j = static_cast<int>(std::ceil(y - half_height)); j <= y + half_height; ++j) {
+    const double row_weight = Kernel::at((j - y) / shape.down);
+    if (row_weight == 0) continue;
+    const double wider = source_.is_latlong() ? widening(j, px.y(), pixels.height()) : 1;
+    const double across = std::min(std::max(1.0, shape.across * wider), most_across);
+    const double middle = x + shape.shear * wider * (j - y), half = Kernel::kReach * across;
+    const int first = static_cast<int>(std::ceil(middle - half)), last = static_cast<int>(std::floor(middle + half));
+    const bool plain = source_.is_plain(region, {first, j, last + 1, j + 1});
+    // Each row counts as its weight says, however many of its pixels the kernel meets.
+    double in_row = 0;
+    weights_.resize(static_cast<std::size_t>(std::max(0, last - first + 1)));
+    for (int i = first; i <= last; ++i) {
+      in_row += weights_[static_cast<std::size_t>(i - first)] = Kernel::at((i - middle) / across);
+    }
+    if (std::abs(in_row) < 1e-6) continue;
+    const double scale = row_weight / in_row;
+    for (int i = first; i <= last; ++i) {
+      const double weight = scale * weights_[static_cast<std::size_t>(i - first)];
+      if (weight == 0) continue;
+      sums.whole_weight += weight;
+      const float* value = plain ? pixels.pixel(i, j) : value_.data();
+      if (!plain && !source_.tap(region, i, j, value_.data())) {
+        sums.missing = true;
+        continue;
+      }
+      sums.weight += weight;
+      for (int c = 0; c < channels; ++c) sum_[static_cast<std::size_t>(c)] += weight * static_cast<double>(value[c]);
+    }
+  }
+  return sums;
+}
+
+PixelBox PixelFilter::seen(const Vec2& px, const KernelShape& shape) const {
+  const double rx = std::min(reach_x(shape, SharpKernel::kReach), 0.5 * source_.pixels().width());
+  const double ry = reach_y(shape, SharpKernel::kReach);
+  return {static_cast<int>(px.x() - rx), static_cast<int>(px.y() - ry), static_cast<int>(px.x() + rx) + 1,
+          static_cast<int>(px.y() + ry) + 1};
+}
+
+bool PixelFilter::is_harsh(const PixelBox& box) const {
+  if (contrast_.harsh(box.first_x, box.first_y, box.last_x - 1, box.last_y - 1)) return true;
+  if (!source_.is_latlong()) return false;
+  const int width = source_.pixels().width();
+  return (box.first_x < 0 && contrast_.harsh(box.first_x + width, box.first_y, width, box.last_y - 1)) ||
+         (box.last_x > width && contrast_.harsh(0, box.first_y, box.last_x - 1 - width, box.last_y - 1));
+}
+
+void PixelFilter::write(int region, const Vec2& px, const KernelShape& shape, double scale, float* mean) {
+  constexpr double kLeastShown = 0.25;
+  Sums sums;
+  const PixelBox box = seen(px, shape);
+  bool sharp = !is_harsh(box) && !(source_.ends_at_rim() && !source_.is_plain(region, box));
+  if (sharp) {
+    sums = scale <= kHarmlessScale ? add<InterpolatingKernel>(region, px, {}) : add<SharpKernel>(region, px, shape);
+    sharp = !sums.missing;  // at a rim what is left of a kernel with negative lobes is no mean
+  }
+  if (!sharp) sums = add<TentKernel>(region, px, shape);
+  if (!(sums.weight > kLeastShown * sums.whole_weight) || !(sums.weight > 0)) {
+    std::fill(sum_.begin(), sum_.end(), 0.0);
+    bilinear_.add(px, sum_.data());
+    sums.weight = 1;
+  }
+  const bool keep_positive = contrast_.nonnegative();
+  for (std::size_t c = 0; c < sum_.size(); ++c) {
+    const double value = sum_[c] / sums.weight;
+    mean[c] = static_cast<float>(keep_positive ? std::max(0.0, value) : value);
+  }
+}
+
+}  // namespace hdr::internal

@@ -1,0 +1,306 @@
+// filter_row and place_tile on vectors: a row of a kernel is weighed eight pixels at a time, and each pixel's three
+// channels (and the float after them, which is dropped) are summed as one vector of four, in the same order everywhere.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "libhdr/probe/internal/kernel.h"
+#include "libhdr/probe/internal/pixel_filter.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "libhdr/probe/pixel_filter_simd.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace hdr::internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::CappedTag<float, 8>;
+using VF = hn::Vec<F>;
+constexpr F f;
+
+/// Products are rounded before they are added to: fused ones would give each target its own bytes.
+HWY_INLINE VF mul_add(VF a, VF b, VF c) {
+  return hn::Add(hn::Mul(a, b), c);
+}
+
+/// A pixel's three channels and the float after them.
+#if HWY_TARGET == HWY_SCALAR
+struct Four {
+  float v[4] = {0, 0, 0, 0};
+  HWY_INLINE void add(float w, const float* pixel) {
+    for (int c = 0; c < 4; ++c) v[c] += w * pixel[c];
+  }
+  HWY_INLINE void add(float w, const Four& a, const Four& b) {
+    for (int c = 0; c < 4; ++c) v[c] += w * (a.v[c] + b.v[c]);
+  }
+  HWY_INLINE void store(float scale, float floor, float* to) const {
+    for (int c = 0; c < 4; ++c) to[c] = std::max(v[c] * scale, floor);
+  }
+};
+#else
+struct Four {
+  static constexpr hn::FixedTag<float, 4> tag{};
+  hn::Vec<hn::FixedTag<float, 4> > v;
+  HWY_INLINE Four() : v(hn::Zero(tag)) {}  // an implicit one would not be compiled for the target
+  HWY_INLINE void add(float w, const float* pixel) { v = hn::Add(v, hn::Mul(hn::Set(tag, w), hn::LoadU(tag, pixel))); }
+  HWY_INLINE void add(float w, const Four& a, const Four& b) {
+    v = hn::Add(v, hn::Mul(hn::Set(tag, w), hn::Add(a.v, b.v)));
+  }
+  HWY_INLINE void store(float scale, float floor, float* to) const {
+    hn::StoreU(hn::Max(hn::Mul(v, hn::Set(tag, scale)), hn::Set(tag, floor)), tag, to);
+  }
+};
+#endif
+
+/// SharpKernel::at, the three cubics of u = t, t - 1, t - 2.
+HWY_INLINE VF sharp_weight(VF t) {
+  constexpr float n = SharpKernel::kNear, k = SharpKernel::kFar;
+  t = hn::Abs(t);
+  const VF one = hn::Set(f, 1.0f), two = hn::Set(f, 2.0f);
+  const auto near = hn::Lt(t, one), middle = hn::Lt(t, two);
+  const VF u = hn::Sub(t, hn::IfThenElse(near, hn::Zero(f), hn::IfThenElse(middle, one, two)));
+  const auto pick = [&](float a, float b, float c) HWY_ATTR {
+    return hn::IfThenElse(near, hn::Set(f, a), hn::IfThenElse(middle, hn::Set(f, b), hn::Set(f, c)));
+  };
+  const VF c3 = pick(2 + n, n + k, k), c2 = pick(-(3 + n), -(2 * n + k), -2 * k), c1 = pick(0, n, k);
+  const VF value = mul_add(mul_add(mul_add(c3, u, c2), u, c1), u, hn::IfThenElseZero(near, one));
+  return hn::IfThenElseZero(hn::Lt(t, hn::Set(f, 3.0f)), value);
+}
+
+HWY_INLINE VF tent_weight(VF t) {
+  return hn::Max(hn::Zero(f), hn::Sub(hn::Set(f, 1.0f), hn::Abs(t)));
+}
+
+template <class Kernel>
+HWY_INLINE VF weight(VF t) {
+  if constexpr (Kernel::kReach == SharpKernel::kReach) {
+    return sharp_weight(t);
+  } else {
+    return tent_weight(t);
+  }
+}
+
+template <class Kernel>
+HWY_INLINE void filter_pixel(const RowTask& task, int index, float* rgb) {
+  const TilePixels& p = *task.pixels;
+  const float x = p.x[index], y = p.y[index], across = p.across[index], down = p.down[index], shear = p.shear[index];
+  const float half_height = Kernel::kReach * down, half_width = Kernel::kReach * across;
+  const int first_row = static_cast<int>(std::ceil(y - half_height));
+  const int last_row = static_cast<int>(std::floor(y + half_height));
+  const VF per_pixel = hn::Set(f, 1 / across);
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const VF lane = hn::Iota(f, 0);
+  Four sum;
+  float total = 0;
+  alignas(32) float weights[8];
+  for (int j = first_row; j <= last_row; ++j) {
+    const float dy = static_cast<float>(j) - y;
+    const float row_weight = static_cast<float>(Kernel::at(dy / down));
+    const float middle = x + shear * dy;
+    const int first = static_cast<int>(std::ceil(middle - half_width));
+    const int last = static_cast<int>(std::floor(middle + half_width));
+    const float* row = task.source + j * task.stride;
+    Four even, odd;
+    float in_row = 0;
+    for (int i = first; i <= last; i += lanes) {
+      const VF t = hn::Mul(hn::Add(hn::Set(f, static_cast<float>(i) - middle), lane), per_pixel);
+      hn::Store(weight<Kernel>(t), f, weights);
+      const int count = std::min(lanes, last - i + 1);
+      const float* pixel = row + 3 * i;
+      int k = 0;
+      for (; k + 1 < count; k += 2, pixel += 6) {
+        even.add(weights[k], pixel);
+        odd.add(weights[k + 1], pixel + 3);
+        in_row += weights[k] + weights[k + 1];
+      }
+      if (k < count) {
+        even.add(weights[k], pixel);
+        in_row += weights[k];
+      }
+    }
+    sum.add(row_weight, even, odd);
+    total += row_weight * in_row;
+  }
+  float values[4];
+  sum.store(1 / total, task.floor, values);
+  rgb[0] = values[0];
+  rgb[1] = values[1];
+  rgb[2] = values[2];
+}
+
+/// The eight weights of a position between samples: lane k is the sample k - 3 away. Each is a polynomial of the
+/// fraction, through Chebyshev's points: within 1e-6 of the window.
+struct EightWeights {
+  static constexpr int kTerms = 8;
+  alignas(32) float c[kTerms][8];
+  EightWeights() {
+    double nodes[kTerms], values[kTerms][8];
+    for (int i = 0; i < kTerms; ++i) {
+      nodes[i] = 0.5 - 0.5 * std::cos(std::numbers::pi * (i + 0.5) / kTerms);
+      double sum = 0;
+      for (int k = 0; k < 8; ++k) sum += values[i][k] = InterpolatingKernel::at(nodes[i] - (k - 3));
+      for (int k = 0; k < 8; ++k) values[i][k] /= sum;
+    }
+    for (int k = 0; k < 8; ++k) {
+      // Newton's divided differences, then his form multiplied out.
+      double d[kTerms], power[kTerms] = {};
+      for (int i = 0; i < kTerms; ++i) d[i] = values[i][k];
+      for (int order = 1; order < kTerms; ++order) {
+        for (int i = kTerms - 1; i >= order; --i) d[i] = (d[i] - d[i - 1]) / (nodes[i] - nodes[i - order]);
+      }
+      for (int i = kTerms - 1; i >= 0; --i) {
+        for (int p = kTerms - 1; p > 0; --p) power[p] = power[p - 1] - nodes[i] * power[p];
+        power[0] = d[i] - nodes[i] * power[0];
+      }
+      for (int p = 0; p < kTerms; ++p) c[p][k] = static_cast<float>(power[p]);
+    }
+  }
+};
+
+/// The weights at each lane of a fraction.
+HWY_INLINE void eight_weights(const EightWeights& table, float fraction, float* weights) {
+  const VF t = hn::Set(f, fraction);
+  for (int k = 0; k < 8; k += static_cast<int>(hn::Lanes(f))) {
+    VF value = hn::Load(f, table.c[EightWeights::kTerms - 1] + k);
+    for (int p = EightWeights::kTerms - 2; p >= 0; --p) value = mul_add(value, t, hn::Load(f, table.c[p] + k));
+    hn::Store(value, f, weights + k);
+  }
+}
+
+/// Down first: eight rows of eight pixels become one, which lies in a few registers.
+HWY_INLINE void interpolate_pixel(const RowTask& task, const EightWeights& table, int index, float* rgb) {
+  const float x = task.pixels->x[index], y = task.pixels->y[index];
+  const float left = std::floor(x), top = std::floor(y);
+  constexpr int kFloats = 24;
+  alignas(32) float across[8], down[8], row[kFloats + 8];
+  eight_weights(table, x - left, across);
+  eight_weights(table, y - top, down);
+  const float* source =
+      task.source + (static_cast<std::ptrdiff_t>(top) - 3) * task.stride + 3 * (static_cast<std::ptrdiff_t>(left) - 3);
+  for (int k = 0; k < kFloats; k += static_cast<int>(hn::Lanes(f))) {
+    const float* p = source + k;
+    VF even = hn::Mul(hn::Set(f, down[0]), hn::LoadU(f, p));
+    VF odd = hn::Mul(hn::Set(f, down[1]), hn::LoadU(f, p + task.stride));
+    for (int j = 2; j < 8; j += 2) {
+      even = mul_add(hn::Set(f, down[j]), hn::LoadU(f, p + j * task.stride), even);
+      odd = mul_add(hn::Set(f, down[j + 1]), hn::LoadU(f, p + (j + 1) * task.stride), odd);
+    }
+    hn::Store(hn::Add(even, odd), f, row + k);
+  }
+  hn::Store(hn::Zero(f), f, row + kFloats);  // what the last pixel's fourth float is
+  Four even, odd, total;
+  for (int k = 0; k < 8; k += 2) {
+    even.add(across[k], row + 3 * k);
+    odd.add(across[k + 1], row + 3 * k + 3);
+  }
+  total.add(1, even, odd);
+  float values[4];
+  total.store(1, task.floor, values);
+  rgb[0] = values[0];
+  rgb[1] = values[1];
+  rgb[2] = values[2];
+}
+
+void FilterRow(const RowTask& task, float* rgb) {
+  static const EightWeights table;
+  for (int k = 0; k < task.count; ++k) {
+    const int index = task.first + k;
+    if (task.kinds[index] == KernelKind::kInterpolated) interpolate_pixel(task, table, index, rgb + 3 * k);
+    if (task.kinds[index] == KernelKind::kSharp) filter_pixel<SharpKernel>(task, index, rgb + 3 * k);
+    if (task.kinds[index] == KernelKind::kTent) filter_pixel<TentKernel>(task, index, rgb + 3 * k);
+  }
+}
+
+/// A cubic, and its derivative, of each lane.
+struct Cubic {
+  float c[4];
+  HWY_INLINE VF at(VF s) const {
+    return mul_add(mul_add(mul_add(hn::Set(f, c[3]), s, hn::Set(f, c[2])), s, hn::Set(f, c[1])), s, hn::Set(f, c[0]));
+  }
+  HWY_INLINE VF slope(VF s) const {
+    return mul_add(mul_add(hn::Set(f, 3 * c[3]), s, hn::Set(f, 2 * c[2])), s, hn::Set(f, c[1]));
+  }
+};
+
+/// The cubic in s of a bicubic at this t, and that of its derivative by t.
+void at_row(const std::array<std::array<float, 4>, 4>& bicubic, float t, Cubic& row, Cubic& slope) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    row.c[i] = bicubic[0][i] + t * (bicubic[1][i] + t * (bicubic[2][i] + t * bicubic[3][i]));
+    slope.c[i] = bicubic[1][i] + t * (2 * bicubic[2][i] + t * 3 * bicubic[3][i]);
+  }
+}
+
+TileBounds PlaceTile(const TilePolynomial& polynomial, const Tile& tile, TilePixels& pixels) {
+  const float s_step = 2.0f / static_cast<float>(tile.width), t_step = 2.0f / static_cast<float>(tile.height);
+  const float base_x = static_cast<float>(polynomial.base_x) - 0.5f,
+              base_y = static_cast<float>(polynomial.base_y) - 0.5f;
+  const VF half = hn::Set(f, 0.5f), one = hn::Set(f, 1.0f), zero = hn::Zero(f);
+  VF x0 = hn::Set(f, 1e9f), y0 = x0, x1 = hn::Set(f, -1e9f), y1 = x1, scale = zero;
+  for (int row = 0; row < tile.height; ++row) {
+    Cubic x, x_t, y, y_t;
+    const float t = (static_cast<float>(row) + 0.5f) * t_step - 1;
+    at_row(polynomial.x, t, x, x_t);
+    at_row(polynomial.y, t, y, y_t);
+    for (int k = 0; k < tile.width; k += static_cast<int>(hn::Lanes(f))) {
+      const VF s = hn::Sub(hn::Mul(hn::Add(hn::Iota(f, static_cast<float>(k)), half), hn::Set(f, s_step)), one);
+      const VF x_u = hn::Mul(x.slope(s), hn::Set(f, s_step)), x_v = hn::Mul(x_t.at(s), hn::Set(f, t_step));
+      const VF y_u = hn::Mul(y.slope(s), hn::Set(f, s_step)), y_v = hn::Mul(y_t.at(s), hn::Set(f, t_step));
+      // kernel_shape(), all of its cases at once.
+      VF a = hn::Add(hn::Mul(x_u, x_u), hn::Mul(x_v, x_v)), b = hn::Add(hn::Mul(x_u, y_u), hn::Mul(x_v, y_v));
+      VF c = hn::Add(hn::Mul(y_u, y_u), hn::Mul(y_v, y_v));
+      const VF mean = hn::Mul(half, hn::Add(a, c)), half_difference = hn::Mul(half, hn::Sub(a, c));
+      const VF spread = hn::Sqrt(hn::Add(hn::Mul(half_difference, half_difference), hn::Mul(b, b)));
+      const VF largest = hn::Add(mean, spread), least = hn::Sub(mean, spread);
+      const auto small = hn::Lt(least, one);
+      const VF stretch = hn::Div(hn::Sub(largest, one), hn::Max(hn::Add(spread, spread), hn::Set(f, 1e-20f)));
+      a = hn::IfThenElse(small, mul_add(stretch, hn::Sub(a, least), one), a);
+      b = hn::IfThenElse(small, hn::Mul(stretch, b), b);
+      c = hn::IfThenElse(small, mul_add(stretch, hn::Sub(c, least), one), c);
+      const auto copied = hn::Le(largest, one);
+      a = hn::IfThenElse(copied, one, a);
+      b = hn::IfThenElse(copied, zero, b);
+      c = hn::IfThenElse(copied, one, c);
+      const VF shear = hn::Div(b, c);
+      const int index = row * Tile::kSide + k;
+      const VF px = hn::Add(x.at(s), hn::Set(f, base_x)), py = hn::Add(y.at(s), hn::Set(f, base_y));
+      const VF axis = hn::Sqrt(largest);
+      // Lanes beyond the tile's width follow the polynomial on, and make the bounds a little wider.
+      x0 = hn::Min(x0, px);
+      x1 = hn::Max(x1, px);
+      y0 = hn::Min(y0, py);
+      y1 = hn::Max(y1, py);
+      scale = hn::Max(scale, axis);
+      hn::StoreU(px, f, pixels.x + index);
+      hn::StoreU(py, f, pixels.y + index);
+      hn::StoreU(axis, f, pixels.scale + index);
+      hn::StoreU(hn::Sqrt(hn::Max(hn::Sub(a, hn::Mul(b, shear)), hn::Set(f, 1e-12f))), f, pixels.across + index);
+      hn::StoreU(hn::Sqrt(c), f, pixels.down + index);
+      hn::StoreU(shear, f, pixels.shear + index);
+    }
+  }
+  const auto least = [](VF v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(f, v)); };
+  const auto most = [](VF v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(f, v)); };
+  return {least(x0), least(y0), most(x1), most(y1), most(scale)};
+}
+
+}  // namespace hdr::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hdr::internal {
+
+HWY_EXPORT(FilterRow);
+HWY_EXPORT(PlaceTile);
+
+void filter_row(const RowTask& task, float* rgb) {
+  HWY_DYNAMIC_DISPATCH(FilterRow)(task, rgb);
+}
+
+TileBounds place_tile(const TilePolynomial& polynomial, const Tile& tile, TilePixels& pixels) {
+  return HWY_DYNAMIC_DISPATCH(PlaceTile)(polynomial, tile, pixels);
+}
+
+}  // namespace hdr::internal
+#endif

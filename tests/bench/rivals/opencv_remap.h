@@ -1,0 +1,26 @@
+#pragma once
+// OpenCV's resampling of pictures, to be measured against.
+#include <functional>
+#include <memory>
+
+#include "libhdr/core/image.h"
+#include "libhdr/core/vec.h"
+
+namespace hdr::bench {
+
+/// cv::remap with INTER_LANCZOS4 and maps that are made beforehand, in OpenCV's own fixed-point form.
+class OpenCvRemap {
+ public:
+  /// Where output pixels lie in the source, continuous pixels; NaN: nowhere.
+  OpenCvRemap(Size output, const std::function<Vec2(int x, int y)>& source_from_output);
+  ~OpenCvRemap();
+
+  /// This is what is timed.
+  void run(View<const float> source, View<float> output, int threads) const;
+
+ private:
+  struct Maps;
+  std::unique_ptr<Maps> maps_;
+};
+
+}  // namespace hdr::bench
