@@ -52,12 +52,14 @@
 #include "libhdr/probe/convention.h"  // which way round others have the sphere
 #include "libhdr/probe/find_ball.h"   // where the mirror ball is
 #include "libhdr/probe/find_image_circle.h"  // where a fisheye's picture ends
+#include "libhdr/probe/fisheye_pair.h"  // two opposite lenses as one sphere
 #include "libhdr/probe/photograph.h"  // what a camera sees in an environment
 #include "libhdr/probe/photographer.h"  // and who stands behind it
 #include "libhdr/probe/reflectance.h"  // what a mirror ball does not give back
 #include "libhdr/probe/projection.h"  // pixels <-> directions
 #include "libhdr/probe/test_chart.h"  // a sphere that says which way round it is
 #include "libhdr/probe/unwrap.h"      // from one projection to another
+#include "libhdr/probe/vignetting.h"  // corners that a lens leaves darker
 
 #include "libhdr/light/cube.h"         // six faces
 #include "libhdr/light/environment.h"  // sample / pdf / invert

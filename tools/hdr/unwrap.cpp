@@ -3,6 +3,7 @@
 #include "tools/hdr/ball_views_step.h"
 #include "tools/hdr/cube_files.h"
 #include "tools/hdr/pipeline.h"
+#include "tools/hdr/unwrap_pair.h"
 #include "tools/hdr/unwrap_step.h"
 
 namespace hdr::tools {
@@ -26,14 +27,27 @@ RadianceMap unwrap_images(Run& run, const Options& o, bool ball_views) {
   if (ball_views) return unwrap_ball_views(run, o.images, o.masks, o.unwrap);
   if (!o.masks.empty()) throw Error("--mask: is for several views of one ball");
   const bool faces = are_cube_faces(o.images);
-  if (o.images.size() != 1 && !faces) {
+  if (o.images.size() > 2 && !faces) {
     throw CLI::ValidationError(
-        "image", "give one picture, several views of one ball (--from mirror-ball), or the six faces of a cube");
+        "image",
+        "give one picture, several views of one ball (--from mirror-ball), two opposite fisheyes "
+        "(--from fisheye), or the six faces of a cube");
   }
-  const std::string& name = o.images[0];
-  const ReadMap source = run.stage("read", [&] { return faces ? read_cube_faces(o.images) : read_map(name); });
-  for (const std::string& warning : source.warnings) run.warn(warning);
-  return unwrap_picture(run, source.map, o.unwrap, "", name);
+  const auto read = [&](const std::string& name) {
+    ReadMap picture = run.stage("read", [&] { return faces ? read_cube_faces(o.images) : read_map(name); });
+    for (const std::string& warning : picture.warnings) run.warn(warning);
+    o.unwrap.correct_vignetting(picture.map);
+    return picture;
+  };
+  const ReadMap source = read(o.images[0]);
+  if (faces || o.images.size() == 1) return unwrap_picture(run, source.map, o.unwrap, "", o.images[0]);
+  const ReadMap second = read(o.images[1]);
+  if (!are_fisheye_pair({&source.map, &second.map}, o.unwrap)) {
+    throw CLI::ValidationError("image",
+                               "two pictures make a sphere when they are fisheyes or views of one ball; add "
+                               "--from fisheye or --from mirror-ball");
+  }
+  return unwrap_fisheye_pair(run, source.map, second.map, o.unwrap, o.images);
 }
 
 Provenance provenance_of_images(const Run& run, const Options& o, bool ball_views) {
@@ -50,7 +64,8 @@ Provenance provenance_of_images(const Run& run, const Options& o, bool ball_view
 std::function<int(Run&)> declare_unwrap(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("image", options->images,
-                 "a radiance map (or an sRGB photograph); several views of one mirror ball; a cube's six faces, named "
+                 "a radiance map (or an sRGB photograph); several views of one mirror ball; two opposite fisheyes; a "
+                 "cube's six faces, named "
                  "..._px, _nx, _py, _ny, _pz, _nz or in the order +X -X +Y -Y +Z -Z")
       ->required();
   app.add_option("-o,--output", options->output, "the picture to write (.exr, .hdr, .tif)")->required();
