@@ -5,8 +5,9 @@
 
 namespace hdr {
 
-/// What lies beyond the borders. kPlane: the picture mirrored at its border (border pixels twice), so no light is lost.
-/// kLatLong: the sphere; left and right borders meet, and beyond a pole lies the opposite meridian.
+/// What lies beyond the borders. kPlane: the picture mirrored at its border (border pixels twice), so no light is lost
+/// (but for a slanted motion, whose mirror image slants the other way: some, within its length of a border). kLatLong:
+/// the sphere; left and right borders meet, and beyond a pole lies the opposite meridian.
 enum class Surface { kPlane, kLatLong };
 
 /// Convolution with a Gaussian of `sigma` pixels, >= 0; 0 is a copy. The cost of a pixel does not depend on sigma.

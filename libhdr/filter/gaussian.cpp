@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "libhdr/core/error.h"
+#include "libhdr/core/internal/opencv.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/filter/blur.h"
 #include "libhdr/filter/internal/sphere_gaussian.h"
@@ -75,11 +77,10 @@ Image<float> filter_columns(View<const float> in, const std::vector<Taps>& all) 
   return out;
 }
 
-/// Along the rows. Where no sample moves, all have the same weights and the row is added up shifted.
+/// Along the rows.
 Image<float> filter_rows(View<const float> in, const std::vector<Taps>& all) {
   const int channels = in.channels();
   Image<float> out(static_cast<int>(all.size()), in.height(), channels);
-  const bool same_grid = out.width() == in.width();
   for_rows(out.height(), 8, [&](int first, int last) {
     const int before = -all.front().first;
     const int after = all.back().first + static_cast<int>(all.back().weights.size()) - in.width();
@@ -91,14 +92,6 @@ Image<float> filter_rows(View<const float> in, const std::vector<Taps>& all) {
                     &padded[static_cast<std::size_t>(x * channels)]);
       }
       float* row = out.row(y);
-      if (same_grid) {
-        const std::vector<float>& weights = all.front().weights;
-        for (std::size_t t = 0; t < weights.size(); ++t) {
-          const float* from = padded.data() + static_cast<std::ptrdiff_t>(t) * channels;
-          for (std::size_t k = 0; k < out.row_samples(); ++k) row[k] += weights[t] * from[k];
-        }
-        continue;
-      }
       for (int x = 0; x < out.width(); ++x) {
         const Taps& taps = all[static_cast<std::size_t>(x)];
         const float* from = padded.data() + static_cast<std::ptrdiff_t>(left + taps.first) * channels;
@@ -126,12 +119,21 @@ struct Axis {
   std::vector<Taps> down, across, up;
 };
 
+/// Tap by tap, which OpenCV does well.
+Image<float> few_taps(View<const float> image, double sigma) {
+  const int reach = static_cast<int>(std::ceil(kCut * sigma));
+  cv::Mat weights(1, 2 * reach + 1, CV_64F);
+  for (int k = -reach; k <= reach; ++k) weights.at<double>(k + reach) = std::exp(-0.5 * k * k / (sigma * sigma));
+  weights /= cv::sum(weights)[0];
+  Image<float> out(image.size(), image.channels());
+  cv::Mat to = internal::mat_from_view(out.view());
+  cv::sepFilter2D(internal::mat_from_view(image), to, -1, weights, weights, {-1, -1}, 0, cv::BORDER_REFLECT);
+  return out;
+}
+
 Image<float> plane_gaussian(View<const float> image, double sigma) {
   constexpr double kWorthACoarseGrid = 4;
-  if (sigma < kWorthACoarseGrid) {
-    return filter_rows(filter_columns(image, gaussian_taps(image.height(), image.height(), sigma)),
-                       gaussian_taps(image.width(), image.width(), sigma));
-  }
+  if (sigma < kWorthACoarseGrid) return few_taps(image, sigma);
   // Columns first and last: between them there are few rows.
   const Axis x(image.width(), sigma), y(image.height(), sigma);
   Image<float> coarse = filter_rows(filter_columns(image, y.down), x.down);

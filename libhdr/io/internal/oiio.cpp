@@ -83,8 +83,6 @@ std::shared_ptr<OIIO::ImageInput> open_by_ourselves(const Path& path, FileKind k
       return open_pfm(path);
     case FileKind::kTiff:
       return open_log_tiff(path);
-    case FileKind::kExr:
-      return open_chroma_exr(path);
     default:
       return nullptr;
   }
@@ -177,6 +175,13 @@ OpenedPicture open_picture_for_rows(const Path& path, Mantissa mantissa) {
       if (!open) reason = opened->input->geterror();
     } else {
       reason = OIIO::geterror();
+    }
+  }
+  // OpenImageIO refuses subsampled channels, and knows no luminance-chroma of any kind.
+  if (kind == FileKind::kExr && (!open || spec.channelindex("RY") >= 0)) {
+    if (const auto chroma = open_chroma_exr(path)) {
+      check_size(path, chroma->spec(), kind);
+      return {chroma, false};
     }
   }
   if (!open) {

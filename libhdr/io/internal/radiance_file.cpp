@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -130,16 +131,16 @@ std::uint8_t RadianceScanlines::byte() {
 }
 
 void RadianceScanlines::next(float* samples) {
-  codes_.resize(4 * static_cast<std::size_t>(header_.length));
+  const auto length = static_cast<std::size_t>(header_.length);
+  codes_.resize(4 * length);
   read_codes();
-  const double power_of_two[3] = {1 / divisor_[0], 1 / divisor_[1], 1 / divisor_[2]};
-  const bool exact = divisor_ == std::array{1.0, 1.0, 1.0};
-  for (int x = 0; x < header_.length; ++x, samples += 3) {
-    const auto* code = reinterpret_cast<const std::uint8_t*>(codes_.data()) + 4 * x;
-    const double scale = rgbe_scale(code[3]);
-    for (int c = 0; c < 3; ++c) {
-      const double value = (code[c] + offset_) * scale;
-      samples[c] = static_cast<float>(exact ? value : value * power_of_two[c]);
+  const std::uint8_t *exponent = codes_.data() + 3 * length, *mantissa = codes_.data();
+  const bool exact = divisor_ == std::array{1.0, 1.0, 1.0} && offset_ == 0;
+  for (std::size_t x = 0; x < length; ++x, samples += 3) {
+    const float scale = rgbe_scales()[exponent[x]];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint8_t m = mantissa[c * length + x];
+      samples[c] = exact ? m * scale : static_cast<float>((m + offset_) * scale / divisor_[c]);
     }
   }
   ++done_;
@@ -147,55 +148,60 @@ void RadianceScanlines::next(float* samples) {
 
 void RadianceScanlines::read_codes() {
   constexpr int kShortest = 8, kLongest = 0x7fff;  // lengths that the new encoding is for
-  if (header_.length < kShortest || header_.length > kLongest) return read_old(0);
+  if (header_.length < kShortest || header_.length > kLongest) return read_old();
   if (at_ + 4 > bytes_.size()) fail("the file ends there");
   const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(bytes_[at_ + k]); };
-  if (at(0) != 2 || at(1) != 2 || (at(2) & 0x80) != 0) return read_old(0);
+  if (at(0) != 2 || at(1) != 2 || (at(2) & 0x80) != 0) return read_old();
   if ((at(2) << 8 | at(3)) != header_.length) fail("a scanline of another length");
   at_ += 4;
   read_runs();
 }
 
 /// Pixels as they are; 1 1 1 n repeats the one before n times, and n 2^8 times when another such pixel follows, ...
-void RadianceScanlines::read_old(int first) {
+void RadianceScanlines::read_old() {
+  const auto length = static_cast<std::size_t>(header_.length);
   int shift = 0;
-  for (int x = first; x < header_.length;) {
+  for (std::size_t x = 0; x < length;) {
     if (at_ + 4 > bytes_.size()) fail("the file ends there");
     const std::string_view code = bytes_.substr(at_, 4);
     at_ += 4;
-    const std::size_t to = 4 * static_cast<std::size_t>(x);
     if (code[0] != 1 || code[1] != 1 || code[2] != 1) {
-      codes_.replace(to, 4, code);
+      for (std::size_t c = 0; c < 4; ++c) codes_[c * length + x] = static_cast<std::uint8_t>(code[c]);
       ++x;
       shift = 0;
       continue;
     }
-    const auto count = static_cast<std::int64_t>(static_cast<std::uint8_t>(code[3])) << shift;
+    const std::size_t count = static_cast<std::size_t>(static_cast<std::uint8_t>(code[3])) << shift;
     if (x == 0 && count > 0) fail("a run that repeats no pixel");
-    if (count > header_.length - x) fail("a run beyond the end of its scanline");
-    for (std::int64_t k = 0; k < count; ++k) {
-      codes_.replace(to + 4 * static_cast<std::size_t>(k), 4, codes_.substr(to - 4, 4));
+    if (count > length - x) fail("a run beyond the end of its scanline");
+    for (std::size_t c = 0; c < 4 && count > 0; ++c) {
+      std::uint8_t* to = codes_.data() + c * length + x;
+      std::fill_n(to, count, to[-1]);
     }
-    x += static_cast<int>(count);
+    x += count;
     if (shift <= 16) shift += 8;
   }
 }
 
 /// Four components one after the other, each as runs (count + 128, value) and literals (count, values).
 void RadianceScanlines::read_runs() {
+  const auto length = static_cast<std::size_t>(header_.length);
   for (std::size_t component = 0; component < 4; ++component) {
-    for (int x = 0; x < header_.length;) {
-      const int code = byte();
+    std::uint8_t* to = codes_.data() + component * length;
+    for (std::size_t x = 0; x < length;) {
+      const std::uint8_t code = byte();
       const bool is_run = code > 128;
-      const int count = is_run ? code - 128 : code;
+      const std::size_t count = is_run ? code - 128u : code;
       if (count == 0) fail("a run of no length");
-      if (count > header_.length - x) fail("a run beyond the end of its scanline");
-      if (!is_run && at_ + static_cast<std::size_t>(count) > bytes_.size()) fail("the file ends there");
-      char value = is_run ? static_cast<char>(byte()) : '\0';
-      for (int k = 0; k < count; ++k, ++x) {
-        if (!is_run) value = bytes_[at_++];
-        codes_[4 * static_cast<std::size_t>(x) + component] = value;
+      if (count > length - x) fail("a run beyond the end of its scanline");
+      if (is_run) {
+        std::fill_n(to + x, count, byte());
+      } else {
+        if (at_ + count > bytes_.size()) fail("the file ends there");
+        std::copy_n(bytes_.data() + at_, count, reinterpret_cast<char*>(to + x));
+        at_ += count;
       }
+      x += count;
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "libhdr/core/radiance.h"
 #include "libhdr/io/read.h"
@@ -42,7 +43,7 @@ class RadianceScanlines {
   [[noreturn]] void fail(const char* what) const;
   std::uint8_t byte();
   void read_codes();
-  void read_old(int first);
+  void read_old();
   void read_runs();
 
   std::string_view bytes_;
@@ -50,8 +51,8 @@ class RadianceScanlines {
   std::string name_;
   std::size_t at_;
   int done_ = 0;
-  std::string codes_;  ///< the scanline's RGBE, interleaved
-  double offset_;      ///< added to a mantissa
+  std::vector<std::uint8_t> codes_;  ///< the scanline's reds, then its greens, blues and exponents
+  double offset_;                    ///< added to a mantissa
   std::array<double, 3> divisor_;
 };
 

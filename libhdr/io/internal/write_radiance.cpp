@@ -27,41 +27,49 @@ std::string header_text(const MapHeader& map) {
 }
 
 /// One component of a scanline: runs of at least four as (128 + count, value), what lies between as (count, values).
-void append_runs(const std::vector<Rgbe>& codes, std::size_t component, std::string& out) {
+void append_runs(const std::uint8_t* values, std::size_t length, std::string& out) {
   constexpr std::size_t kMinRun = 4, kMaxRun = 127, kMaxLiteral = 128;
-  const auto value = [&](std::size_t x) { return codes[x][component]; };
-  const std::size_t length = codes.size();
   for (std::size_t at = 0; at < length;) {
     std::size_t run_at = at, run = 0;
     while (run_at < length) {  // the next run worth its two bytes
       run = 1;
-      while (run < kMaxRun && run_at + run < length && value(run_at + run) == value(run_at)) ++run;
+      while (run < kMaxRun && run_at + run < length && values[run_at + run] == values[run_at]) ++run;
       if (run >= kMinRun) break;
       run_at += run;
     }
-    while (at < std::min(run_at, length)) {
-      const std::size_t count = std::min(kMaxLiteral, std::min(run_at, length) - at);
+    const std::size_t literals_end = std::min(run_at, length);
+    while (at < literals_end) {
+      const std::size_t count = std::min(kMaxLiteral, literals_end - at);
       out += static_cast<char>(count);
-      for (std::size_t k = 0; k < count; ++k) out += static_cast<char>(value(at++));
+      out.append(reinterpret_cast<const char*>(values + at), count);
+      at += count;
     }
     if (run_at >= length) break;
     out += static_cast<char>(128 + run);
-    out += static_cast<char>(value(run_at));
+    out += static_cast<char>(values[run_at]);
     at = run_at + run;
   }
 }
 
 std::string encoded(const float* rgb, int width) {
-  std::vector<Rgbe> codes(static_cast<std::size_t>(width));
-  for (std::size_t x = 0; x < codes.size(); ++x) codes[x] = rgbe_from_rgb(rgb + 3 * x);
+  const auto length = static_cast<std::size_t>(width);
   std::string out;
   constexpr int kShortest = 8, kLongest = 0x7fff;  // lengths that the run-length encoding is for
   if (width < kShortest || width > kLongest) {
-    for (const Rgbe& code : codes) out.append(reinterpret_cast<const char*>(code.data()), code.size());
+    for (std::size_t x = 0; x < length; ++x) {
+      const Rgbe code = rgbe_from_rgb(rgb + 3 * x);
+      out.append(reinterpret_cast<const char*>(code.data()), code.size());
+    }
     return out;
   }
+  std::vector<std::uint8_t> planes(4 * length);
+  for (std::size_t x = 0; x < length; ++x) {
+    const Rgbe code = rgbe_from_rgb(rgb + 3 * x);
+    for (std::size_t c = 0; c < 4; ++c) planes[c * length + x] = code[c];
+  }
+  out.reserve(4 * length + length / 16 + 16);
   out = {2, 2, static_cast<char>(width >> 8), static_cast<char>(width & 255)};
-  for (std::size_t component = 0; component < 4; ++component) append_runs(codes, component, out);
+  for (std::size_t c = 0; c < 4; ++c) append_runs(planes.data() + c * length, length, out);
   return out;
 }
 
