@@ -8,6 +8,7 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/ball_camera.h"
 #include "libhdr/probe/internal/circle_votes.h"
+#include "libhdr/probe/internal/filling_circle.h"
 #include "libhdr/probe/internal/luminance.h"
 #include "libhdr/probe/internal/outline.h"
 
@@ -117,8 +118,8 @@ class Placing {
     if (most_elongation(guess) < kLeastElongation) return round;
     const OutlineFit longer = placed(pointing_at_middle(guess, luminance_.size()), true);
     const double gain = longer.evidence * longer.radii - round.evidence * round.radii;
-    const bool longer_outwards = longer.outline.major > longer.outline.minor;
-    return longer_outwards && gain > kLeastGain ? longer : round;
+    const double elongation = longer.outline.major - longer.outline.minor;
+    return elongation > 0 && elongation <= most_elongation(guess) && gain > kLeastGain ? longer : round;
   }
 
  private:
@@ -162,6 +163,15 @@ MirrorBall ball_of(const Ellipse& outline, Size size, const FindBallOptions& opt
   return internal::ball_from_elongation(far.disc, middle, outline.major / outline.minor).value_or(far);
 }
 
+/// Without the mirror's own evidence: a circle that nearly fills the frame.
+std::optional<FoundBall> filling_ball(const Image<float>& luminance, const FindBallOptions& options) {
+  const auto circle = internal::find_filling_circle(luminance);
+  if (!circle) return std::nullopt;
+  const Disc& d = circle->disc;
+  const MirrorBall ball = ball_of({{d.cx, d.cy}, {1, 0}, d.r, d.r}, luminance.size(), options);
+  return FoundBall{ball, circle->support, circle->residual_px};
+}
+
 }  // namespace
 
 std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options) {
@@ -171,7 +181,7 @@ std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions&
 
   // In the coarsest picture: the circle with the most evidence of all that the edges vote for.
   const OutlineFit coarse = best_circle(levels.back());
-  if (coarse.evidence < kLeastEvidence || coarse.support < kLeastSupport) return std::nullopt;
+  if (coarse.evidence < kLeastEvidence || coarse.support < kLeastSupport) return filling_ball(levels.front(), options);
 
   // From level to level the outline is placed more finely, as long as it is sharp enough to show there.
   double scale = std::exp2(static_cast<double>(levels.size()) - 1);

@@ -22,7 +22,9 @@ struct FindBallOptions {
 /// The outline of a mirrored sphere in a full frame of linear radiance: edges vote for circles (Hough), and the circle
 /// wins along which the reflection's crowding towards the rim shows (probe/internal/outline.h); it is then placed from
 /// coarse to fine. Beside the picture's middle the outline of a near ball is an ellipse that points there: without a
-/// known field it is taken for one where that has clearly more evidence. nullopt when no outline has that evidence.
+/// known field it is taken for one where that has clearly more evidence. Where no outline has that evidence, as under
+/// blur and compression, a circle that nearly fills the frame and along which edges run is taken, to some per cent;
+/// nullopt where there is none.
 /// Where a plain wall meets its own reflection the outline cannot be seen, and it is less sure than residual_px says.
 std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options = {});
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "libhdr/core/sphere.h"
@@ -75,6 +76,49 @@ TEST(FindBallInNothing, FlatBlackNoisyOrTinyPicturesHaveNone) {
   std::fill_n(flat.row(90), 300, std::numeric_limits<float>::infinity());
   EXPECT_FALSE(find_ball(flat)) << "NaN and infinity";
   EXPECT_FALSE(find_ball(Image<float>()));
+}
+
+/// As an enlarged, compressed snapshot: each pixel the mean of a wide square, several times over.
+Image<float> blurred(const Image<float>& picture, int radius) {
+  Image<float> result(picture.size(), 3);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        int count = 0;
+        for (int v = std::max(0, y - radius); v <= std::min(picture.height() - 1, y + radius); ++v) {
+          for (int u = std::max(0, x - radius); u <= std::min(picture.width() - 1, x + radius); ++u, ++count)
+            sum += static_cast<double>(picture(u, v, c));
+        }
+        result(x, y, c) = static_cast<float>(sum / count);
+      }
+    }
+  }
+  return result;
+}
+
+TEST(FindBallInBlur, ABallThatFillsItsFrameIsFoundByItsEdge) {
+  int found = 0;
+  for (const std::uint64_t seed : {51u, 52u, 53u, 54u}) {
+    const MirrorBall ball{{243, 231, 205 + 5.0 * double(seed - 51)}};
+    const Image<float> scene = test::latlong_of(512, test::SoftRoom(seed, 0.5));
+    Image<float> sharp = photograph_ball(scene, {480, 464}, ball);
+    for (int y = 0; y < 464; ++y) {
+      for (int x = 0; x < 480; ++x) {
+        if (!ball.dir_from_px({x + 0.5, y + 0.5})) continue;
+        for (int c = 0; c < 3; ++c) sharp(x, y, c) *= 0.5f;  // tarnished
+      }
+    }
+    Image<float> picture = blurred(blurred(sharp, 3), 3);
+    add_noise(picture, 0.02, seed);
+    const auto place = find_ball(picture);
+    if (!place) continue;
+    ++found;
+    EXPECT_NEAR(place->ball.disc.cx, 243, 12) << "seed " << seed;
+    EXPECT_NEAR(place->ball.disc.cy, 231, 12) << "seed " << seed;
+    EXPECT_NEAR(place->ball.disc.r, ball.disc.r, 12) << "seed " << seed;
+  }
+  EXPECT_GE(found, 3) << "of four; a rim that blends with its backdrop may hide one";
 }
 
 }  // namespace
