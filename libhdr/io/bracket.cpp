@@ -205,7 +205,10 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   for (std::size_t i = 0; i < paths.size(); ++i) {
     rising[static_cast<std::size_t>(bracket.input_order[i])] = std::move(thumbnails[i]);
   }
-  internal::refuse_strangers(bracket.shots, rising);
+  if (const auto stranger = internal::stranger_among(bracket.shots, rising)) {
+    if (!options.expects_motion) throw Error(*stranger + "; leave it out");
+    bracket.warnings.push_back(*stranger + "; what of it agrees with others is used");
+  }
   return bracket;
 }
 

@@ -14,6 +14,9 @@ struct BracketOptions {
   std::optional<Path> exposures;  ///< --exposures LIST; replaces the whole exposure of the named files
   ListFormat list_format = ListFormat::kAuto;
   bool allow_equal_exposures = false;  ///< repeats of one exposure alone (merging with a known response)
+  /// Things that move may fill the picture (merging without ghosts): a shot that seems to show another scene is warned
+  /// of, not refused.
+  bool expects_motion = false;
   /// Memory for codes, in bytes for each pixel of one shot (an 8-bit shot takes 3, a deeper one 6): the codes of all
   /// shots stay while they fit, or while they take less than 64 MB together. Otherwise only those that fit in half of
   /// it do, the others are decoded when they are needed (Photo::source), and the other half is left to the decoders.

@@ -9,6 +9,7 @@
 #include "libhdr/core/photo.h"
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/rows.h"
+#include "libhdr/merge/deghost.h"
 #include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/noise.h"
 #include "libhdr/response/response.h"
@@ -27,6 +28,7 @@ struct MergeOptions {
   WeightKind weight = WeightKind::kAuto;
   std::optional<Noise> noise;  ///< absent: estimated from the bracket (response/estimate_noise.h) where it is needed
   std::optional<NoiseEstimate> noise_estimate;  ///< of this bracket, where calibrating made one: saves making it again
+  bool deghost = false;                         ///< leaves shots out where things moved (deghost.h)
   bool uncertainty = false;                     ///< standard deviation and flags of every pixel
   std::optional<double> exposure_unit;          ///< absent: that of the bracket's middle shot
   std::optional<double> black_level;  ///< code that means no light, subtracted in linear light; absent: the response's
@@ -48,6 +50,7 @@ struct MergeSummary {
   std::int64_t dark = 0;
   double exposure_unit = 1;
   double stops = 0;          ///< log2 of the 99.9 % over the 0.1 % quantile of positive luminance
+  Ghosts ghosts;             ///< when deghost was asked for
   double skipped_tiles = 0;  ///< share of the tiles of all shots that had nothing to add, and were not looked at
 };
 

@@ -1,7 +1,5 @@
 #include "libhdr/merge/internal/merge_bands.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,11 +7,12 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/merge/internal/bounds.h"
+#include "libhdr/merge/internal/bracket_model.h"
 #include "libhdr/merge/internal/flat_field.h"
+#include "libhdr/merge/internal/ghost_plan.h"
 #include "libhdr/merge/internal/merge_row.h"
 #include "libhdr/merge/internal/source.h"
 #include "libhdr/merge/internal/stops.h"
-#include "libhdr/response/estimate_noise.h"
 
 namespace hdr::internal {
 namespace {
@@ -39,36 +38,6 @@ void check(const Bracket& bracket, const Alignment& alignment, const Response& r
   }
 }
 
-/// Why a shot is left out before it is looked at, or an empty string.
-std::string reason_to_leave_out(const Alignment& alignment, std::size_t shot) {
-  // Left out, a longer shot costs some noise in the shadows; a shorter one may hold the only measure of a sun.
-  constexpr double kWorstRegistration_px = 1;
-  const double residual_px = alignment.frames[shot].residual_px;
-  if (static_cast<int>(shot) <= alignment.reference || residual_px <= kWorstRegistration_px) return "";
-  return fmt::format("registered within {:.1f} px only", residual_px);
-}
-
-MergeModel model_of(const Bracket& bracket, const Alignment& alignment, const Response& response,
-                    const MergeOptions& options) {
-  const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
-  MergeModelOptions model{lossy, options.weight, options.black_level, options.noise.value_or(Noise{}), {}};
-  // The hat distrusts codes for more than their noise: an average camera is all it needs to know.
-  const bool known = options.noise.has_value() || (model.hat() && !options.uncertainty);
-  model.noise = model.hat_noise;
-  if (known) return make_merge_model(response, model);
-  std::vector<bool> left_out;
-  for (std::size_t j = 0; j < bracket.shots.size(); ++j) left_out.push_back(!reason_to_leave_out(alignment, j).empty());
-  const auto ref_from_photo = alignment.identity() ? std::vector<Mat3>{} : alignment.ref_from_photo();
-  const NoiseEstimate estimate =
-      options.noise_estimate ? *options.noise_estimate : estimate_noise(bracket, ref_from_photo, response, left_out);
-  model.noise = estimate.noise;
-  // Likelihood believes the noise model; where the shots differ by more than noise, the hat's doubt is the better
-  // guide.
-  constexpr double kMostOutliers = 0.01;
-  if (model.kind == WeightKind::kAuto && estimate.outliers > kMostOutliers) model.kind = WeightKind::kHat;
-  return make_merge_model(response, model);
-}
-
 /// What the rows of one task (the k-th of every band) have added up, and its memory.
 struct Worker {
   std::int64_t clipped = 0, dark = 0;
@@ -77,6 +46,8 @@ struct Worker {
   MergeRowScratch scratch;
   Resampler::Patch patch;
   std::vector<std::vector<WarpedRow>> warped;  ///< by shot, the rows of a block
+  /// By shot and row of the task, where it is not trusted everywhere; else empty.
+  std::vector<std::array<std::vector<float>, kTaskHeight>> trust;
   std::vector<ShotRow> shots;
   std::vector<std::uint8_t> unmeasured;  ///< of the rows of a task
 };
@@ -84,8 +55,10 @@ struct Worker {
 /// The merge of one bracket, band by band.
 class BandMerger {
  public:
-  BandMerger(const MergeModel& model, std::vector<std::unique_ptr<Source>> sources, const FlatField& flat, Size size)
+  BandMerger(const MergeModel& model, const GhostPlan& ghosts, std::vector<std::unique_ptr<Source>> sources,
+             const FlatField& flat, Size size)
       : model_(model),
+        ghosts_(ghosts),
         sources_(std::move(sources)),
         flat_(flat),
         size_(size),
@@ -120,6 +93,7 @@ class BandMerger {
   /// Rows from .. to - 1 of the band that starts with row `first` of the map.
   void merge_rows_of_task(int first, int from, int to, const BandViews& views, Worker& worker) {
     worker.unmeasured.resize(3 * static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(to - from));
+    if (!ghosts_.empty()) find_trust(first + from, to - from, worker);
     const int step = any_warped_ ? kSegment : size_.width;
     for (int x0 = 0; x0 < size_.width; x0 += step) {
       const Block block{x0, first + from, std::min(size_.width, x0 + step), first + to};
@@ -128,7 +102,7 @@ class BandMerger {
     }
     for (int y = from; y < to; ++y) {
       const MergeRowTask row = task_of(y, 0, from, views, worker);
-      finish_row(first + y, row, views.flags.empty() ? nullptr : views.flags.row(y), worker);
+      finish_row(first + y, y - from, row, views.flags.empty() ? nullptr : views.flags.row(y), worker);
     }
   }
 
@@ -140,6 +114,25 @@ class BandMerger {
     task.stddev = views.stddev.empty() ? nullptr : views.stddev.row(y) + 3 * x0;
     task.unmeasured = worker.unmeasured.data() + samples * (y - from) + 3 * x0;
     return task;
+  }
+
+  void find_trust(int y0, int rows, Worker& worker) const {
+    worker.trust.resize(sources_.size());
+    const auto padded = static_cast<std::size_t>((size_.width + kTile - 1) / kTile * kTile);
+    for (std::size_t j = 0; j < sources_.size(); ++j) {
+      for (int row = 0; row < rows; ++row) {
+        std::vector<float>& trust = worker.trust[j][static_cast<std::size_t>(row)];
+        trust.assign(padded, 1);
+        if (!ghosts_.trust_row(j, y0 + row, trust.data())) trust.clear();
+      }
+    }
+  }
+
+  /// Of row `row` of the task, from its start; nullptr: full.
+  const float* trust_of(std::size_t source, int row, const Worker& worker) const {
+    if (ghosts_.empty()) return nullptr;
+    const std::vector<float>& trust = worker.trust[source][static_cast<std::size_t>(row)];
+    return trust.empty() ? nullptr : trust.data();
   }
 
   void warp(const Block& block, Worker& worker) const {
@@ -162,6 +155,7 @@ class BandMerger {
       } else {
         shot.warped = &worker.warped[j][static_cast<std::size_t>(y - block.y0)];
       }
+      if (const float* trust = trust_of(j, y - block.y0, worker)) shot.trust = trust + block.x0;
       worker.shots.push_back(shot);
     }
     task.shots = worker.shots.data();
@@ -173,7 +167,7 @@ class BandMerger {
   }
 
   /// Flat field, bounds and flags.
-  void finish_row(int y, const MergeRowTask& task, std::uint8_t* flags, Worker& worker) const {
+  void finish_row(int y, int task_row, const MergeRowTask& task, std::uint8_t* flags, Worker& worker) const {
     if (flags) std::fill_n(flags, size_.width, std::uint8_t{0});
     for (int x = 0; x < size_.width; ++x) {
       const std::uint8_t* unmeasured = task.unmeasured + 3 * x;
@@ -187,7 +181,7 @@ class BandMerger {
         if (stddev) stddev[c] *= gain[c];
       }
       if (!bounded) continue;
-      const ResolvedPixel pixel = resolve_pixel(gather_evidence(x, y, unmeasured, rgb, gain));
+      const ResolvedPixel pixel = resolve_pixel(gather_evidence(x, y, task_row, unmeasured, rgb, gain, worker));
       for (std::size_t c = 0; c < 3; ++c) {
         rgb[c] = pixel.rgb[c];
         if (stddev && unmeasured[c]) stddev[c] = rgb[c];
@@ -200,23 +194,26 @@ class BandMerger {
     }
   }
 
-  std::array<ChannelEvidence, 3> gather_evidence(int x, int y, const std::uint8_t* unmeasured, const float* rgb,
-                                                 const std::array<float, 3>& gain) const {
+  std::array<ChannelEvidence, 3> gather_evidence(int x, int y, int task_row, const std::uint8_t* unmeasured,
+                                                 const float* rgb, const std::array<float, 3>& gain,
+                                                 const Worker& worker) const {
     std::array<ChannelEvidence, 3> evidence;
     for (std::size_t c = 0; c < 3; ++c) {
       if (!unmeasured[c]) evidence[c].measured = rgb[c];
     }
     // From the longest down: the first black shot gives the least upper bound, the last clipped one the largest lower.
-    for (auto source = sources_.rbegin(); source != sources_.rend(); ++source) {
+    for (std::size_t j = sources_.size(); j-- > 0;) {
+      const Source& source = *sources_[j];
+      const float* trust = trust_of(j, task_row, worker);
       std::array<int, 3> codes{};
-      if (!(*source)->nearest(x, y, codes)) continue;
+      if ((trust && !(trust[x] > 0)) || !source.nearest(x, y, codes)) continue;
       for (std::size_t c = 0; c < 3; ++c) {
         if (!unmeasured[c]) continue;
         const ChannelModel& channel = model_.channel[c];
-        const float unit = gain[c] * channel.saturation / (*source)->exposure();
+        const float unit = gain[c] * channel.saturation / source.exposure();
         if (codes[c] >= model_.clipped_code) {
           evidence[c].at_least = std::max(evidence[c].at_least, unit);
-        } else if (codes[c] <= channel.black_code && evidence[c].at_most < 0 && bounds_the_dark(**source)) {
+        } else if (codes[c] <= channel.black_code && evidence[c].at_most < 0 && bounds_the_dark(source)) {
           evidence[c].at_most = unit * channel.dark;
         }
       }
@@ -231,6 +228,7 @@ class BandMerger {
   }
 
   const MergeModel& model_;
+  const GhostPlan& ghosts_;
   std::vector<std::unique_ptr<Source>> sources_;
   const FlatField& flat_;
   Size size_;
@@ -246,12 +244,14 @@ MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, con
   check(bracket, alignment, response);
   const Size size = bracket.size();
   const FlatField flat(options.flat, size);
-  const MergeModel model = model_of(bracket, alignment, response, options);
+  const BracketModels models = models_of(bracket, alignment, response, options);
+  const MergeModel& model = models.merge;
   MergeSummary summary;
   summary.frames.resize(bracket.shots.size());
   summary.exposure_unit =
       options.exposure_unit.value_or(bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure());
   std::vector<std::unique_ptr<Source>> sources;
+  std::vector<std::size_t> shots;  // of the sources
   std::vector<Source*> source_of_shot(bracket.shots.size());
   for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
     summary.frames[j].skipped = reason_to_leave_out(alignment, j);
@@ -260,8 +260,14 @@ MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, con
     sources.push_back(std::make_unique<Source>(photo, alignment.frames[j].ref_from_photo, model,
                                                photo.relative_exposure() / summary.exposure_unit, kBandHeight));
     source_of_shot[j] = sources.back().get();
+    shots.push_back(j);
   }
-  BandMerger merger(model, std::move(sources), flat, size);
+  GhostPlan ghosts;
+  if (options.deghost) {
+    ghosts = plan_ghosts(bracket, alignment, *models.likelihood, shots);
+    summary.ghosts = ghosts.summary(shots);
+  }
+  BandMerger merger(model, ghosts, std::move(sources), flat, size);
   for (int first = 0; first < size.height; first += kBandHeight) {
     const int last = std::min(size.height, first + kBandHeight);
     merger.merge(first, last, views(first, last));

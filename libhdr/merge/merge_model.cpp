@@ -66,6 +66,19 @@ double reach(const LevelVariance& variance, double bound, int sign) {
   return high;
 }
 
+/// [Debevec97] eq. 4 of the code that stands for the level, its peak at 1.
+std::vector<float> hats_of_levels(const ChannelModel& model, std::size_t codes) {
+  std::vector<float> hats;
+  std::size_t code = 0;
+  const auto black = static_cast<double>(model.black_code), range = static_cast<double>(codes) - 1 - black;
+  for (std::int32_t bin = 0; bin < PrecisionTable::kBins; ++bin) {
+    while (code + 1 < codes && model.level[code] < level_of_bin(bin)) ++code;
+    const double value = (static_cast<double>(code) - black) / range;
+    hats.push_back(static_cast<float>(std::max(0.0, 1 - std::abs(2 * value - 1))));
+  }
+  return hats;
+}
+
 /// The hat's weights at levels between those of the codes: linear from code to code, between the first that is light
 /// and the last that is not clipped.
 std::vector<float> weights_of_levels(const ChannelModel& model, std::size_t clipped) {
@@ -116,6 +129,7 @@ ChannelModel channel_model(const Response& response, int channel, const MergeMod
                                                    : std::clamp(level, above_black, std::max(above_black, below_clip)));
   }
   model.precision = precision_table(variance);
+  model.hat_of_level = hats_of_levels(model, light.size());
   model.near_black = static_cast<float>(reach(variance, black_bound, 1));
   model.near_clip = static_cast<float>(reach(variance, clip_bound, -1));
   model.beyond_clip = static_cast<float>(reach(variance, clip_bound, 1));

@@ -81,6 +81,7 @@ BracketOptions ShotsOptions::bracket_options() const {
   if (!times.empty()) options.times = times_from_text(times, "--times");
   if (!exposures.empty()) options.exposures = exposures;
   options.list_format = list_format_from_name(list_format).value();
+  options.expects_motion = expects_motion;
   return options;
 }
 
@@ -117,6 +118,8 @@ void MergeFlags::declare(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "hat", "variance"}))
       ->capture_default_str();
   app.add_flag("--uncertainty", uncertainty, "also write each pixel's standard deviation, as layer stddev (EXR)");
+  app.add_flag("--deghost", deghost, "where things moved between the shots, the map shows one moment");
+  app.add_option("--ghost-mask", ghost_mask, "with --deghost: a picture (.png) of where shots were left out");
   app.add_option("--black-level", black_level, "the code that means no light (default: the response's own)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--flat", flat, "a uniform scene as this camera saw it, a radiance map or a photograph; divided out");
@@ -127,6 +130,10 @@ MergeOptions MergeFlags::options() const {
   if (weight == "hat") options.weight = WeightKind::kHat;
   if (weight == "variance") options.weight = WeightKind::kVariance;
   options.uncertainty = uncertainty;
+  options.deghost = deghost;
+  if (!ghost_mask.empty() && !deghost) {
+    throw CLI::ValidationError("--ghost-mask", "shows what --deghost did; add --deghost");
+  }
   options.black_level = black_level;
   return options;
 }

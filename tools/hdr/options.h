@@ -28,6 +28,7 @@ Vec3 vec3_from_text(const std::string& text, const std::string& option);
 struct ShotsOptions {
   std::vector<Path> files;
   std::string times, exposures, list_format = "auto";
+  bool expects_motion = false;  ///< what --deghost says, where a verb has it
 
   void declare(CLI::App& app);
   BracketOptions bracket_options() const;
@@ -48,6 +49,8 @@ struct MergeFlags {
   std::string flat;
   std::optional<double> black_level;
   bool uncertainty = false;
+  bool deghost = false;
+  std::string ghost_mask;
 
   void declare(CLI::App& app);
   /// All but the flat field and the unit, which need files: pipeline.cpp adds them.

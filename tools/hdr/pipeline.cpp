@@ -8,6 +8,7 @@
 #include "libhdr/core/rows.h"
 #include "libhdr/core/version.h"
 #include "libhdr/io/output_file.h"
+#include "libhdr/io/write.h"
 #include "libhdr/response/response_file.h"
 #include "tools/hdr/flat_field.h"
 #include "tools/hdr/scale_step.h"
@@ -48,6 +49,31 @@ void tell_skipped(Run& run, const Bracket& bracket, const Merged& merged) {
         fmt::format("{:.0f} % of the shots' tiles had nothing to add (black or clipped): not a byte changes",
                     100 * merged.skipped_tiles));
   }
+}
+
+void write_ghost_mask(const MergeInputs& inputs, const MergeSummary& merged) {
+  if (inputs.ghost_mask.empty()) return;
+  const View<const std::uint8_t> mask = merged.ghosts.mask;
+  Image<std::uint8_t> picture(inputs.bracket.size(), 3);
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) std::fill_n(picture.pixel(x, y), 3, mask(x, y));
+  }
+  write_picture(inputs.ghost_mask, picture);
+}
+
+/// What --deghost did.
+Json ghosts_as_json(const Bracket& bracket, const Ghosts& ghosts) {
+  const auto path = [&](int shot) { return bracket.shots[static_cast<std::size_t>(shot)].path.string(); };
+  Json regions = Json::array();
+  for (const GhostRegion& region : ghosts.regions) {
+    Json left_out = Json::array();
+    for (const int shot : region.left_out) left_out.push_back(path(shot));
+    regions.push_back({{"box", {region.x0, region.y0, region.x1, region.y1}},
+                       {"pixels", region.pixels},
+                       {"reference", path(region.reference)},
+                       {"left_out", std::move(left_out)}});
+  }
+  return {{"share", ghosts.share}, {"regions", std::move(regions)}};
 }
 
 Json flat(const Mat3& m) {
@@ -141,12 +167,15 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   MergeInputs inputs;
   inputs.scale = options.scale;
   const MapScale like = scale_like(options.scale);
-  inputs.bracket = read_shots(run, options.shots);
+  ShotsOptions shots_options = options.shots;
+  shots_options.expects_motion = options.merge.deghost;
+  inputs.bracket = read_shots(run, shots_options);
   require_same_terms(options.scale, like, inputs.bracket);
   const std::string response = response_text(run, options);
   const std::optional<Response> known = known_response(response, inputs.bracket.bits());
   inputs.alignment = align_shots(run, inputs.bracket, known, method);
   inputs.options = options.merge.options();
+  inputs.ghost_mask = options.merge.ghost_mask;
   if (known) {
     inputs.response = *known;
     run.stage("calibrate", [] {});
@@ -177,6 +206,7 @@ Merged merge_shots(Run& run, const MergeInputs& inputs) {
   Merged merged =
       run.stage("merge", [&] { return merge(inputs.bracket, inputs.alignment, inputs.response, inputs.options); });
   tell_skipped(run, inputs.bracket, merged);
+  write_ghost_mask(inputs, merged);
   merged.map.white_luminance =
       inputs.scale.patch.empty() ? inputs.white_luminance : white_luminance_of_patch(run, inputs.scale, merged.map.rgb);
   return merged;
@@ -207,6 +237,7 @@ Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, co
   });
   merged.map.white_luminance = inputs.white_luminance;
   tell_skipped(run, inputs.bracket, merged);
+  write_ghost_mask(inputs, merged);
   run.clock.split("write", write_seconds, write_cpu_seconds);
   return merged;
 }
@@ -298,6 +329,11 @@ void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged) {
     frames.push_back(std::move(row));
   }
   run.answer["frames"] = std::move(frames);
+  if (inputs.options.deghost) {
+    run.answer["deghost"] = ghosts_as_json(bracket, merged.ghosts);
+    run.say(fmt::format("ghosts: {} regions, {:.2f} % of the pixels", merged.ghosts.regions.size(),
+                        100 * merged.ghosts.share));
+  }
   run.say(fmt::format("map: {}x{}, {:.1f} stops, {} pixels clipped and {} dark in every shot", bracket.size().width,
                       bracket.size().height, merged.stops, merged.clipped, merged.dark));
 }

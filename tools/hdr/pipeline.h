@@ -31,6 +31,7 @@ struct MergeInputs {
   MergeOptions options;  ///< with its exposure unit
   Image<float> flat;     ///< what options.flat views
   ScaleFlags scale;
+  std::string ghost_mask;                 ///< where to write it; empty: nowhere
   std::optional<double> white_luminance;  ///< cd/m^2 of radiance 1, as far as it is known before the merge
 };
 

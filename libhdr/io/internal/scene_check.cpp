@@ -185,7 +185,7 @@ SceneAgreement scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b)
   return {best.cells, best.r, residual_of_curve(a, b, best_x, best_y)};
 }
 
-void refuse_strangers(const std::vector<Photo>& shots, std::span<const SceneThumbnail> thumbnails) {
+std::optional<std::string> stranger_among(const std::vector<Photo>& shots, std::span<const SceneThumbnail> thumbnails) {
   const std::size_t count = shots.size();
   std::vector<std::vector<Verdict>> verdicts(count, std::vector<Verdict>(count, Verdict::kIncomparable));
   constexpr std::size_t kNeighbours = 2;  // across a stranger, its neighbours are compared with each other
@@ -196,7 +196,7 @@ void refuse_strangers(const std::vector<Photo>& shots, std::span<const SceneThum
       any |= verdicts[k][j] == Verdict::kOther;
     }
   }
-  if (!any) return;
+  if (!any) return std::nullopt;
   std::vector<std::size_t> scene;  // what most shots show
   for (std::size_t k = 0; k < count; ++k) {
     std::vector<std::size_t> group = agreeing_with(k, verdicts);
@@ -211,9 +211,9 @@ void refuse_strangers(const std::vector<Photo>& shots, std::span<const SceneThum
     const auto other = says(Verdict::kOther);
     // A thing that fills what one pair can compare leaves the others in doubt.
     if (other == scene.end() || says(Verdict::kDoubt) != scene.end()) continue;
-    throw Error(fmt::format("{}: shows another scene than {}; leave it out", shots[k].path.string(),
-                            shots[*other].path.string()));
+    return fmt::format("{}: shows another scene than {}", shots[k].path.string(), shots[*other].path.string());
   }
+  return std::nullopt;
 }
 
 }  // namespace hdr::internal

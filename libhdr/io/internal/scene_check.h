@@ -2,7 +2,9 @@
 // Do the shots of a bracket show one scene? Without a response: whatever the curve and the exposures, a channel's codes
 // rise with one another wherever neither shot is black or clipped, so ranks of registered pixels agree [Spearman04].
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libhdr/core/photo.h"
@@ -44,9 +46,9 @@ struct SceneAgreement {
 };
 SceneAgreement scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b);
 
-/// `shots` rise in exposure; thumbnails[i] belongs to shots[i]. Throws Error that names a shot of another scene. Things
-/// that move, hands that shake and flat scenes pass: only a shot that contradicts each of its neighbours that show
-/// what most shots show is refused.
-void refuse_strangers(const std::vector<Photo>& shots, std::span<const SceneThumbnail> thumbnails);
+/// `shots` rise in exposure; thumbnails[i] belongs to shots[i]. Names a shot of another scene, and one that it differs
+/// from. Things that move, hands that shake and flat scenes pass: only a shot that contradicts each of its neighbours
+/// that show what most shots show is a stranger.
+std::optional<std::string> stranger_among(const std::vector<Photo>& shots, std::span<const SceneThumbnail> thumbnails);
 
 }  // namespace hdr::internal

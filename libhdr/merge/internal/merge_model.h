@@ -43,6 +43,8 @@ struct ChannelModel {
   float near_black = 0, near_clip = 1, beyond_clip = 1;
   float dark = 0;  ///< the level that black stands for
 
+  std::vector<float> hat_of_level;  ///< 1 for a middle code, 0 for black and clipped ones; bins as in PrecisionTable
+
   // Hat.
   std::vector<float> weight;           ///< by code
   std::vector<float> weight_light;     ///< weight times light
@@ -53,7 +55,8 @@ struct MergeModel {
   int bits = 8;
   bool hat = false;
   bool lossy = false;
-  int clipped_code = 255;  ///< from here up: any amount of light
+  bool distrusts_ends = false;  ///< for comparisons: what hat says of the bracket's merge
+  int clipped_code = 255;       ///< from here up: any amount of light
   /// Only lossy codes contradict a shorter shot that clips; in others it is a thing that moved, or a painted border. So
   /// a sample at or above this code shuts out the longer shots: what clips a shot clips every longer one, and a code
   /// there that says otherwise is JPEG's smear.

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "libhdr/core/error.h"
 #include "libhdr/core/random.h"
 #include "tests/support/support.h"
 
@@ -45,12 +44,7 @@ SceneThumbnail thumbnail_of(const Photo& photo) {
 std::string refusal(const std::vector<Photo>& shots) {
   std::vector<SceneThumbnail> thumbnails;
   for (const Photo& shot : shots) thumbnails.push_back(thumbnail_of(shot));
-  try {
-    refuse_strangers(shots, thumbnails);
-    return "";
-  } catch (const Error& error) {
-    return error.what();
-  }
+  return stranger_among(shots, thumbnails).value_or("");
 }
 
 TEST(SceneCheck, RanksAgreeAcrossExposuresAndHandShake) {

@@ -1,0 +1,234 @@
+#include "libhdr/merge/internal/ghost_agreement.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace hdr::internal {
+namespace {
+
+constexpr float kRelative = 0.02f;  ///< of the radiance, by each shot; by the hat's doubt more towards the ends
+/// What cameras do to colours of which a channel is close to an end changes the others.
+constexpr float kCrossTalk = 0.02f;
+constexpr float kLeastHat = 0.06f;
+constexpr float kLeastShift_px = 0.12f;   ///< registered shots are not registered perfectly
+constexpr float kMostCorrection = 0.35f;  ///< ln
+constexpr float kMostScale = 3;
+constexpr std::size_t kFewest = 60;     ///< cells behind a median
+constexpr std::size_t kSample = 30000;  ///< cells that medians look at, about
+/// Of the pixels of a lossy shot: a block's coefficients are wrong in many of them at once.
+constexpr float kIndependent = 0.25f;
+
+float precision_at(const ChannelModel& channel, float level) {
+  const std::int32_t bin = (std::bit_cast<std::int32_t>(level) >> PrecisionTable::kShift) - PrecisionTable::kFirst;
+  return channel.precision.values[static_cast<std::size_t>(std::clamp(bin, 0, PrecisionTable::kBins - 1))];
+}
+
+float median_of(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+float square(float x) {
+  return x * x;
+}
+
+float hat_of_level(const ChannelModel& channel, float level) {
+  const std::int32_t bin = (std::bit_cast<std::int32_t>(level) >> PrecisionTable::kShift) - PrecisionTable::kFirst;
+  return channel.hat_of_level[static_cast<std::size_t>(std::clamp(bin, 0, PrecisionTable::kBins - 1))];
+}
+
+int octave_of(float level) {
+  return -std::ilogb(std::max(level, 1e-9f));
+}
+
+}  // namespace
+
+void CellShot::find_range(const CellGrid& grid) {
+  const auto [width, height] = grid.cells;
+  range.resize(picture.level.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {0, 0, 0};
+      for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
+          const auto cell = static_cast<std::size_t>(v * width + u);
+          if (picture.flags[cell] & CellPicture::kOutside) continue;
+          for (std::size_t c = 0; c < 3; ++c) {
+            least[c] = std::min(least[c], picture.level[3 * cell + c]);
+            most[c] = std::max(most[c], picture.level[3 * cell + c]);
+          }
+        }
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float size = std::max(0.0f, most[c] - least[c]);
+        range[3 * static_cast<std::size_t>(y * width + x) + c] =
+            static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(size) >> 16);
+      }
+    }
+  }
+}
+
+float CellShot::range_of(std::size_t sample) const {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(range[sample]) << 16);
+}
+
+PairAgreement::PairAgreement(const CellGrid& grid, const MergeModel& model, const CellShot& a, const CellShot& b)
+    : grid_(grid), model_(model), a_(a), b_(b) {
+  pixels_ = static_cast<float>(grid.side * grid.side) * (model.lossy ? kIndependent : 1);
+  registration_ = std::min(1.0f, std::sqrt(square(kLeastShift_px) + square(a.residual_px) + square(b.residual_px)));
+  for (auto& channel : correction_) channel.fill(1);
+  find_corrections();
+  find_scale();
+}
+
+/// Relative deviations of levels, by channel, for what is wrong with codes close to their ends.
+std::array<float, 3> PairAgreement::doubt_at(const std::array<float, 3>& level) const {
+  std::array<float, 3> hat, doubt;
+  for (std::size_t c = 0; c < 3; ++c) hat[c] = std::max(kLeastHat, hat_of_level(model_.channel[c], level[c]));
+  const float least = std::min({hat[0], hat[1], hat[2]});
+  for (std::size_t c = 0; c < 3; ++c) doubt[c] = kRelative / hat[c] + kCrossTalk / least;
+  return doubt;
+}
+
+/// Of `shot`, of which `other` expects something: a code is doubted where it is close to an end both as it is and as it
+/// would have to be. The factor takes the other's levels to this shot's.
+std::array<float, 3> PairAgreement::doubts(const CellShot& shot, const CellShot& other,
+                                           const std::array<float, 3>& factor, std::size_t cell) const {
+  if (!model_.distrusts_ends) return {kRelative, kRelative, kRelative};
+  std::array<float, 3> seen, expected;
+  for (std::size_t c = 0; c < 3; ++c) {
+    seen[c] = shot.picture.level[3 * cell + c];
+    if (shot.picture.flags[cell] & (CellPicture::kClipped << c)) seen[c] = 1;
+    expected[c] = other.picture.level[3 * cell + c] * factor[c];
+  }
+  const std::array<float, 3> of_seen = doubt_at(seen), of_expected = doubt_at(expected);
+  return {std::min(of_seen[0], of_expected[0]), std::min(of_seen[1], of_expected[1]),
+          std::min(of_seen[2], of_expected[2])};
+}
+
+void PairAgreement::differences(std::size_t cell, Difference* out) const {
+  for (std::size_t c = 0; c < 3; ++c) out[c] = {};
+  const std::uint8_t flags_a = a_.picture.flags[cell], flags_b = b_.picture.flags[cell];
+  if ((flags_a | flags_b) & CellPicture::kOutside) return;
+  std::array<float, 3> correction, a_per_b, b_per_a;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const int octave = std::clamp(octave_of(a_.picture.level[3 * cell + c]), 0, kOctaves - 1);
+    correction[c] = correction_[c][static_cast<std::size_t>(octave)];
+    a_per_b[c] = correction[c] * a_.exposure / b_.exposure;
+    b_per_a[c] = 1 / a_per_b[c];
+  }
+  const std::array<float, 3> doubt_a = doubts(a_, b_, a_per_b, cell), doubt_b = doubts(b_, a_, b_per_a, cell);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool clipped_a = flags_a & (CellPicture::kClipped << c), clipped_b = flags_b & (CellPicture::kClipped << c);
+    if (clipped_a && clipped_b) continue;
+    const ChannelModel& channel = model_.channel[c];
+    const std::size_t sample = 3 * cell + c;
+    const float level_a = a_.picture.level[sample], level_b = b_.picture.level[sample];
+    const float per_a = 1 / a_.exposure, per_b = correction[c] / b_.exposure;
+    const float radiance_a = level_a * per_a, radiance_b = level_b * per_b;
+    Difference& d = out[c];
+    d.value = radiance_a - radiance_b;
+    if (clipped_a) d.value = std::max(0.0f, d.value);  // a says: at least this
+    if (clipped_b) d.value = std::min(0.0f, d.value);
+    d.noise =
+        (square(per_a) / precision_at(channel, level_a) + square(per_b) / precision_at(channel, level_b)) / pixels_;
+    const float range = std::min(a_.range_of(sample) * per_a, b_.range_of(sample) * per_b);
+    // If both show one thing, it is closer to what the less doubtful one says.
+    const float trust_a = 1 / square(doubt_a[c]), trust_b = 1 / square(doubt_b[c]);
+    const float radiance = (trust_a * radiance_a + trust_b * radiance_b) / (trust_a + trust_b);
+    d.other = (square(doubt_a[c]) + square(doubt_b[c])) * square(radiance) + square(registration_ * range);
+    if (flags_a & (CellPicture::kBlack << c)) d.other += square(channel.black_bound * per_a);
+    if (flags_b & (CellPicture::kBlack << c)) d.other += square(channel.black_bound * per_b);
+  }
+}
+
+void PairAgreement::find_corrections() {
+  const std::size_t count = a_.picture.flags.size(), step = std::max<std::size_t>(1, count / kSample);
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<std::vector<float>, kOctaves> ratios;
+    for (std::size_t cell = 0; cell < count; cell += step) {
+      if (a_.picture.flags[cell] | b_.picture.flags[cell]) continue;
+      const float level_a = a_.picture.level[3 * cell + c], level_b = b_.picture.level[3 * cell + c];
+      const int octave = octave_of(level_a);
+      if (octave < 0 || octave >= kOctaves || !(level_b > 0)) continue;
+      ratios[static_cast<std::size_t>(octave)].push_back(std::log(level_a / a_.exposure / (level_b / b_.exposure)));
+    }
+    for (std::size_t octave = 0; octave < kOctaves; ++octave) {
+      if (ratios[octave].size() < kFewest) continue;
+      correction_[c][octave] = std::exp(std::clamp(median_of(ratios[octave]), -kMostCorrection, kMostCorrection));
+    }
+  }
+}
+
+void PairAgreement::find_scale() {
+  const std::size_t count = a_.picture.flags.size(), step = std::max<std::size_t>(1, count / kSample);
+  std::vector<float> sizes;
+  for (std::size_t cell = 0; cell < count; cell += step) {
+    if (a_.picture.flags[cell] | b_.picture.flags[cell]) continue;
+    Difference all[3];
+    differences(cell, all);
+    for (const Difference& d : all) {
+      if (d.noise > 0) sizes.push_back(std::abs(d.value) / std::sqrt(d.noise + d.other));
+    }
+  }
+  constexpr float kMedianOfNormal = 0.67449f;
+  if (sizes.size() >= kFewest) scale_ = std::clamp(median_of(sizes) / kMedianOfNormal, 1.0f, kMostScale);
+}
+
+/// Differences of three channels over rows of a box and one cell around it.
+struct PairAgreement::Rows {
+  int width = 0;
+  std::vector<Difference> d;  ///< 3 a cell
+};
+
+void PairAgreement::raise(const CellBox& box, std::vector<std::uint8_t>& out) const {
+  const int width = box.width() + 2, columns = grid_.cells.width, rows = grid_.cells.height;
+  const auto row_of = [&](int y, Rows& row) {
+    row.d.assign(3 * static_cast<std::size_t>(width), {});
+    if (y < 0 || y >= rows) return;
+    for (int k = 0; k < width; ++k) {
+      const int x = box.x0 - 1 + k;
+      if (x < 0 || x >= columns) continue;
+      const auto cell = static_cast<std::size_t>(y * columns + x);
+      differences(cell, row.d.data() + 3 * k);
+    }
+  };
+  Rows window[3];
+  row_of(box.y0 - 1, window[0]);
+  row_of(box.y0, window[1]);
+  const float inverse_scale = 1 / square(scale_);
+  for (int y = box.y0; y < box.y1; ++y) {
+    row_of(y + 1, window[2]);
+    for (int x = 0; x < box.width(); ++x) {
+      float most = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        Difference sum;
+        float cells = 0;
+        for (const Rows& row : window) {
+          for (int k = 0; k < 3; ++k) {
+            const Difference& d = row.d[3 * static_cast<std::size_t>(x + k) + c];
+            if (!(d.noise > 0)) continue;
+            sum.value += d.value;
+            sum.noise += d.noise;
+            sum.other += d.other;
+            cells += 1;
+          }
+        }
+        const Difference& own = window[1].d[3 * static_cast<std::size_t>(x + 1) + c];
+        if (!(own.noise > 0)) continue;
+        most = std::max(most, square(own.value) / (own.noise + own.other));
+        if (cells > 1) most = std::max(most, square(sum.value) / (sum.noise + sum.other * cells));
+      }
+      const float size = std::sqrt(most * inverse_scale) * kUnit;
+      std::uint8_t& value = out[static_cast<std::size_t>(y - box.y0) * static_cast<std::size_t>(box.width()) +
+                                static_cast<std::size_t>(x)];
+      value = std::max(value, static_cast<std::uint8_t>(std::min(255.0f, size)));
+    }
+    std::swap(window[0], window[1]);
+    std::swap(window[1], window[2]);
+  }
+}
+
+}  // namespace hdr::internal

@@ -1,0 +1,67 @@
+#pragma once
+// Do two shots show the same thing in a cell? By the noise model, and by what it does not hold: see PairAgreement.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "libhdr/merge/internal/ghost_cells.h"
+
+namespace hdr::internal {
+
+/// Cells x0 .. x1 - 1 of rows y0 .. y1 - 1.
+struct CellBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+  std::size_t count() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
+};
+
+/// A shot in cells, with what its comparison needs.
+struct CellShot {
+  CellPicture picture;
+  float exposure = 1;
+  float residual_px = 0;             ///< of its registration
+  std::vector<std::uint16_t> range;  ///< 3 a cell: largest less smallest level of 3 x 3 cells, upper half of a float
+
+  void find_range(const CellGrid& grid);
+  float range_of(std::size_t sample) const;
+};
+
+/// Radiances differ by noise (the model's, over the cell's pixels), by the registration's error (a share of the local
+/// range that both shots show), by what the response has wrong (a median ratio for each octave of level, up to 40 %, is
+/// taken out; per cents stay, more of them towards the ends of the codes where the merge doubts these), and by whatever
+/// the shots themselves show most cells to differ by: a median size above the model's scales it. What is left over is a
+/// thing that moved.
+class PairAgreement {
+ public:
+  /// `a` has the shorter exposure. All must outlive it.
+  PairAgreement(const CellGrid& grid, const MergeModel& model, const CellShot& a, const CellShot& b);
+
+  /// In deviations, 1/16 each, 255 at most: the larger of a cell's own difference and that of the mean of 3 x 3 cells.
+  /// Raises `out` (row by row, over the box) where it is less.
+  void raise(const CellBox& box, std::vector<std::uint8_t>& out) const;
+  static constexpr float kUnit = 16;
+
+ private:
+  struct Rows;
+  struct Difference {
+    float value = 0, noise = 0, other = 0;  ///< and variances
+  };
+  std::array<float, 3> doubt_at(const std::array<float, 3>& level) const;
+  std::array<float, 3> doubts(const CellShot& shot, const CellShot& other, const std::array<float, 3>& factor,
+                              std::size_t cell) const;
+  /// Of the three channels; no noise: not comparable.
+  void differences(std::size_t cell, Difference* out) const;
+  void find_corrections();
+  void find_scale();
+
+  static constexpr int kOctaves = 20;
+  const CellGrid& grid_;
+  const MergeModel& model_;
+  const CellShot &a_, &b_;
+  float pixels_, registration_, scale_ = 1;
+  std::array<std::array<float, kOctaves>, 3> correction_{};  ///< factor on b, by channel and octave of a's level
+};
+
+}  // namespace hdr::internal

@@ -1,0 +1,190 @@
+// Ghosts: how much worse the map of a bracket with something moving is than that of the same bracket without it, and
+// what --deghost costs and changes where nothing moves.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstring>
+
+#include "libhdr/align/align.h"
+#include "libhdr/core/error.h"
+#include "libhdr/io/bracket.h"
+#include "libhdr/io/write.h"
+#include "libhdr/merge/merge.h"
+#include "tests/bench/stopwatch.h"
+#include "tests/support/movers.h"
+#include "tests/support/support.h"
+
+namespace hdr::bench {
+namespace {
+
+struct Kind {
+  const char* name;
+  const char* format;
+  Size size;
+  int shots;
+  double step_ev, object, object_stops, step, shift;
+};
+
+// Sizes, textures (the seed), depths of overlap, brightness, formats, hand shake.
+constexpr Kind kKinds[] = {
+    {"png still camera", "png", {600, 400}, 5, 2, .15, 1.5, .10, 0},
+    {"png dark thing", "png", {600, 400}, 5, 2, .15, -2, .10, 0},
+    {"png small thing", "png", {900, 600}, 5, 2, .04, 1, .06, 0},
+    {"png large, overlapping", "png", {600, 400}, 5, 2, .35, 1, .05, 0},
+    {"png 3 shots", "png", {600, 400}, 3, 2, .15, 1.5, .12, 0},
+    {"png hand-held", "png", {600, 400}, 5, 2, .15, 1.5, .10, 6},
+    {"jpg still camera", "jpg", {600, 400}, 5, 2, .15, 1.5, .10, 0},
+    {"jpg faint thing", "jpg", {600, 400}, 5, 2, .15, .5, .10, 0},
+    {"jpg hand-held", "jpg", {900, 600}, 5, 2, .12, -1.5, .09, 6},
+    {"jpg 7 shots 1 EV", "jpg", {450, 300}, 7, 1, .15, 1.5, .08, 3},
+};
+
+test::MoverPlan plan_of(const Kind& kind, std::uint64_t seed) {
+  test::MoverPlan plan;
+  plan.size = kind.size;
+  plan.evs.clear();
+  for (int k = 0; k < kind.shots; ++k) plan.evs.push_back(kind.step_ev * (k - (kind.shots - 1) / 2));
+  plan.object = kind.object;
+  plan.object_stops = kind.object_stops;
+  plan.step = kind.step;
+  plan.shift = kind.shift;
+  plan.seed = seed;
+  return plan;
+}
+
+/// The shots as files of the kind, read back.
+Bracket through_files(const Bracket& shots, const std::string& format, const Path& folder) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t k = 0; k < shots.shots.size(); ++k) {
+    write_photo(folder / fmt::format("shot_{:02d}.{}", k, format), shots.shots[k]);
+  }
+  BracketOptions options;
+  options.expects_motion = true;
+  return read_bracket({folder}, options);
+}
+
+struct Map {
+  Merged merged;
+  Seconds seconds;
+};
+
+Map merged(const Bracket& bracket, const Alignment& alignment, const Response& response, bool deghost) {
+  MergeOptions options;
+  options.deghost = deghost;
+  const Stopwatch watch;
+  Map map{merge(bracket, alignment, response, options), {}};
+  map.seconds = watch.elapsed();
+  return map;
+}
+
+/// The truths are known on the grid of the middle shot.
+Alignment on_middle_shot(Alignment alignment, std::size_t middle) {
+  const Mat3 middle_from_ref = alignment.frames[middle].ref_from_photo.inverse();
+  for (FrameAlignment& frame : alignment.frames) frame.ref_from_photo = middle_from_ref * frame.ref_from_photo;
+  alignment.reference = static_cast<int>(middle);
+  alignment.frames[middle].ref_from_photo = Mat3::Identity();
+  return alignment;
+}
+
+/// Things of which the map shows a part: of the pixels that only this shot explains, between 10 and 90 %.
+int halves(View<const float> map, const test::MovingScene& scene) {
+  int count = 0;
+  for (std::size_t k = 0; k < scene.coverage.size(); ++k) {
+    double shown = 0, all = 0;
+    for (int y = 0; y < map.height(); ++y) {
+      for (int x = 0; x < map.width(); ++x) {
+        bool alone = scene.coverage[k](x, y) == 1;
+        for (std::size_t other = 0; other < scene.coverage.size(); ++other) {
+          alone = alone && (other == k || scene.coverage[other](x, y) == 0);
+        }
+        if (!alone) continue;
+        const auto distance = [&](const Image<float>& truth) {
+          return std::abs(std::log2(map(x, y, 1) / (truth(x, y, 1) * scene.map_per_scene)));
+        };
+        const double contrast = std::abs(std::log2(scene.truths[k + 1](x, y, 1) / scene.truths[0](x, y, 1)));
+        if (contrast < 0.5) continue;
+        shown += distance(scene.truths[k + 1]) < distance(scene.truths[0]);
+        all += 1;
+      }
+    }
+    count += all > 50 && shown > 0.1 * all && shown < 0.9 * all;
+  }
+  return count;
+}
+
+struct Outcome {
+  double ratio = 0;
+  bool still_unchanged = true;
+};
+
+Outcome measure(const Kind& kind, std::uint64_t seed) {
+  const test::MoverPlan plan = plan_of(kind, seed);
+  const test::MovingScene scene = moving_scene(plan);
+  const test::ScratchDir scratch;
+  const Bracket moving = through_files(scene.moving, kind.format, scratch / "moving");
+  const Bracket still = through_files(scene.still, kind.format, scratch / "still");
+  const std::size_t middle = (plan.evs.size() - 1) / 2;
+  const Alignment moving_alignment = on_middle_shot(align(moving, plan.response), middle);
+  const Alignment still_alignment = on_middle_shot(align(still, plan.response), middle);
+  const Map plain = merged(still, still_alignment, plan.response, false);
+  const Map unchanged = merged(still, still_alignment, plan.response, true);
+  const Map ghosts = merged(moving, moving_alignment, plan.response, false);
+  const Map clean = merged(moving, moving_alignment, plan.response, true);
+  const auto p99 = [&](const Map& map) {
+    return test::error_quantile(test::closest_errors(map.merged.map.rgb, scene, plan), 0.99);
+  };
+  Outcome outcome;
+  outcome.ratio = p99(clean) / p99(plain);
+  for (int y = 0; y < plan.size.height; ++y) {
+    const std::size_t bytes = plain.merged.map.rgb.row_samples() * sizeof(float);
+    outcome.still_unchanged = outcome.still_unchanged &&
+                              std::memcmp(plain.merged.map.rgb.row(y), unchanged.merged.map.rgb.row(y), bytes) == 0;
+  }
+  std::string references;
+  for (const GhostRegion& region : clean.merged.ghosts.regions) references += fmt::format(" {}", region.reference);
+  if (references.size() > 20) references = references.substr(0, 20) + " ...";
+  fmt::print("{:<24} {:>4}  {:6.4f}  {:6.4f}  {:6.4f}  {:5.2f}{} {:4.1f} % {:>3}  {}  {:5.2f} {:5.2f}  {:<14} {}\n",
+             kind.name, seed, p99(plain), p99(ghosts), p99(clean), outcome.ratio, outcome.ratio < 2 ? ' ' : '*',
+             100 * clean.merged.ghosts.share, clean.merged.ghosts.regions.size(), halves(clean.merged.map.rgb, scene),
+             ghosts.seconds.cpu, clean.seconds.cpu, outcome.still_unchanged ? "same bytes" : "CHANGED", references);
+  std::fflush(stdout);
+  return outcome;
+}
+
+int main(int argc, char** argv) {
+  int seeds = 3;
+  std::string only;
+  CLI::App app("  deghost_bench --seeds 3\n\na thing that moves against the same bracket without it");
+  app.add_option("--seeds", seeds, "scenes of each kind")->capture_default_str();
+  app.add_option("--only", only, "kinds whose name holds this");
+  CLI11_PARSE(app, argc, argv);
+  fmt::print(
+      "p99 of |log2| against the closest of the truths; * over twice that of the still bracket\n"
+      "{:<24} seed  still   ghosts  clean   ratio  where  regions halves cpu: merge, --deghost; still with --deghost; "
+      "references\n",
+      "bracket");
+  std::vector<double> ratios;
+  bool all_unchanged = true;
+  for (const Kind& kind : kKinds) {
+    if (std::string(kind.name).find(only) == std::string::npos) continue;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const Outcome outcome = measure(kind, static_cast<std::uint64_t>(seed));
+      ratios.push_back(outcome.ratio);
+      all_unchanged = all_unchanged && outcome.still_unchanged;
+    }
+  }
+  if (ratios.empty()) throw Error("--only: no kind has this in its name");
+  std::sort(ratios.begin(), ratios.end());
+  const auto under = std::count_if(ratios.begin(), ratios.end(), [](double ratio) { return ratio < 2; });
+  fmt::print("ratio: median {:.2f}, worst {:.2f}, under 2 in {} of {}; still brackets {}\n", ratios[ratios.size() / 2],
+             ratios.back(), under, ratios.size(), all_unchanged ? "unchanged to the byte" : "CHANGED");
+  return all_unchanged && 4 * under >= 3 * static_cast<std::ptrdiff_t>(ratios.size()) ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace hdr::bench
+
+int main(int argc, char** argv) try { return hdr::bench::main(argc, argv); } catch (const std::exception& e) {
+  fmt::print(stderr, "deghost_bench: {}\n", e.what());
+  return 1;
+}
