@@ -75,7 +75,7 @@ std::vector<internal::Place> places_of(const Bracket& bracket, const std::vector
   if (method == AlignMethod::kAuto) {
     if (const auto pairs = internal::still_pairs(bracket, used, linearizer)) {
       const std::vector<internal::Place> places = internal::reconcile(frame, shots, reference, *pairs);
-      if (internal::all_still(frame, places)) return places;
+      if (internal::bracket_stays(frame, places)) return places;
     }
   }
   return internal::reconcile(frame, shots, reference, internal::measure_pairs(bracket, used, linearizer, method));
@@ -101,7 +101,7 @@ Alignment align(const Bracket& bracket, const Response& response, AlignMethod me
         static_cast<int>(std::lower_bound(used.begin(), used.end(), alignment.reference) - used.begin());
     HDR_ASSERT(used[static_cast<std::size_t>(reference)] == alignment.reference);
     const std::vector<internal::Place> places = places_of(bracket, used, reference, linearizer, method);
-    const bool still = internal::all_still(frame, places);
+    const bool still = internal::bracket_stays(frame, places);
     for (std::size_t k = 0; k < used.size(); ++k) {
       alignment.frames[static_cast<std::size_t>(used[k])] = internal::decided(frame, places[k], still);
     }

@@ -36,32 +36,38 @@ Evidence::Evidence(const MotionFrame& frame, const Linearization& at, const Phot
   double weights = 0, squares = 0;
   tile_scores_.reserve(at.tiles.size());
   for (const TileSums& tile : at.tiles) {
-    // Within a tile the displacement is taken for that of its middle.
-    const MotionBasis b = frame.basis(tile.middle);
-    Eigen::Matrix2d h;
-    h << tile.xx, tile.xy, tile.xy, tile.yy;
-    Eigen::Matrix<double, 2, kKnots> cross;
-    for (int k = 0; k < kKnots; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      cross.col(k) = Vec2(tile.x_knot[i], tile.y_knot[i]);
-      hessian_(kMotionUnknowns + k, kMotionUnknowns + k) += tile.knot[i];
-      if (k + 1 == kKnots) continue;
-      hessian_(kMotionUnknowns + k, kMotionUnknowns + k + 1) += tile.next_knot[i];
-      hessian_(kMotionUnknowns + k + 1, kMotionUnknowns + k) += tile.next_knot[i];
-    }
-    hessian_.topLeftCorner<kMotionUnknowns, kMotionUnknowns>() += b.transpose() * h * b;
-    hessian_.topRightCorner<kMotionUnknowns, kKnots>() += b.transpose() * cross;
-    Vector score;
-    score << b.transpose() * tile.shift_score, tile.knot_score;
-    score_ += score;
-    tile_scores_.push_back(score);
+    tile_scores_.push_back(add(tile, hessian_));
+    score_ += tile_scores_.back();
     const double weight = tile.xx + tile.yy;
     weights += weight;
     squares += weight * weight;
+    tile_weights_.emplace_back(tile.middle, weight);
   }
-  hessian_.bottomLeftCorner<kKnots, kMotionUnknowns>() =
-      hessian_.topRightCorner<kMotionUnknowns, kKnots>().transpose().eval();
   effective_tiles_ = squares > 0 ? weights * weights / squares : 0;
+}
+
+/// Adds the tile to a Hessian; its score.
+Evidence::Vector Evidence::add(const TileSums& tile, Matrix& hessian) const {
+  // Within a tile the displacement is taken for that of its middle.
+  const MotionBasis b = frame_.basis(tile.middle);
+  Eigen::Matrix2d h;
+  h << tile.xx, tile.xy, tile.xy, tile.yy;
+  Eigen::Matrix<double, 2, kKnots> cross;
+  for (int k = 0; k < kKnots; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    cross.col(k) = Vec2(tile.x_knot[i], tile.y_knot[i]);
+    hessian(kMotionUnknowns + k, kMotionUnknowns + k) += tile.knot[i];
+    if (k + 1 == kKnots) continue;
+    hessian(kMotionUnknowns + k, kMotionUnknowns + k + 1) += tile.next_knot[i];
+    hessian(kMotionUnknowns + k + 1, kMotionUnknowns + k) += tile.next_knot[i];
+  }
+  const Eigen::Matrix<double, kMotionUnknowns, kKnots> mixed = b.transpose() * cross;
+  hessian.topLeftCorner<kMotionUnknowns, kMotionUnknowns>() += b.transpose() * h * b;
+  hessian.topRightCorner<kMotionUnknowns, kKnots>() += mixed;
+  hessian.bottomLeftCorner<kKnots, kMotionUnknowns>() += mixed.transpose();
+  Vector score;
+  score << b.transpose() * tile.shift_score, tile.knot_score;
+  return score;
 }
 
 Step Evidence::step(MotionModel model, bool move) const {
@@ -100,6 +106,21 @@ Step Evidence::step(MotionModel model, bool move) const {
   return step;
 }
 
+Mat3 Evidence::nearest(const Mat3& motion, MotionModel model) const {
+  const int m = unknowns(model);
+  Dense normal = Dense::Zero(m, m);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(m);
+  for (const auto& [middle, weight] : tile_weights_) {
+    const Dense b = frame_.basis(middle).leftCols(m);
+    normal += weight * b.transpose() * b;
+    right += weight * b.transpose() * (moved(motion, middle) - middle);
+  }
+  normal.diagonal().array() += 1e-9 * normal.trace() + 1e-12;
+  MotionVector found = MotionVector::Zero();
+  found.head(m) = normal.ldlt().solve(right);
+  return frame_.motion(found);
+}
+
 MotionModel Evidence::richest() const {
   MotionModel richest = MotionModel::kTranslation;
   for (const MotionModel model : kMotionModels) {
@@ -114,21 +135,29 @@ std::array<double, kMotionModels.size()> Evidence::costs(const Mat3& so_far, dou
   const MotionModel full = richest();
   const int m = unknowns(full);
   const Step best = step(full);
-  const double price = std::log(std::max(2.0, effective_tiles_));
   // The motion as the richest model has it: what is so far, and its step.
   MotionVector total = frame_.vector(so_far);
   total.head(m) += best.motion.head(m);
+  Dense doubt = best.covariance.topLeftCorner(m, m);
+  doubt.diagonal().array() += floor * floor;
   for (std::size_t k = 0; k < kMotionModels.size(); ++k) {
-    const int used = unknowns(kMotionModels[k]), left = m - used;
-    if (left < 0) break;
-    costs[k] = price * used;
-    if (left == 0 || !best.finite()) break;
-    Dense doubt = best.covariance.block(used, used, left, left);
-    doubt.diagonal().array() += floor * floor;
-    const Eigen::VectorXd refused = total.segment(used, left);
-    costs[k] += refused.dot(doubt.ldlt().solve(refused));
+    const int used = unknowns(kMotionModels[k]);
+    if (used > m) break;
+    costs[k] = price() * used;
+    if (best.finite()) costs[k] += cost_of_leaving_out(used, total.head(m), doubt);
   }
   return costs;
+}
+
+double Evidence::price() const {
+  return std::log(std::max(2.0, effective_tiles_));
+}
+
+double cost_of_leaving_out(int used, const Eigen::VectorXd& estimate, const Eigen::MatrixXd& covariance) {
+  const Eigen::Index left = estimate.size() - used;
+  if (left <= 0) return 0;
+  const Eigen::VectorXd refused = estimate.tail(left);
+  return refused.dot(covariance.bottomRightCorner(left, left).ldlt().solve(refused));
 }
 
 MotionModel cheapest(const std::array<double, kMotionModels.size()>& costs) {

@@ -144,8 +144,6 @@ PairMotion feature_motion(const Pyramid& a, const Pyramid& b) {
   found.b_from_a = *turn;
   found.model = found.richest = MotionModel::kRigid;
   found.measured[1].covariance.diagonal().head<3>() << variance, variance, 4 * variance;
-  found.costs[0] = 1e3;  // more than chance
-  found.costs[1] = 0;
   return found;
 }
 

@@ -53,7 +53,6 @@ class RowAccumulator {
       sums.shift_score.y() += gy * wr;
       sums.knot_score[row] -= to_this * wr;
       sums.knot_score[row + 1] -= to_next * wr;
-      sums.loss += 1 - fade;
       ++sums.pixels;
       if (++part.pixels % kSampleStep == 0) part.magnitudes.push_back(static_cast<float>(magnitude));
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace hdr::internal {
 namespace {
@@ -14,6 +15,12 @@ constexpr double kPairOutlier = 3;  // standard deviations from which a pair's p
 
 std::size_t index_of(MotionModel model) {
   return static_cast<std::size_t>(std::find(kMotionModels.begin(), kMotionModels.end(), model) - kMotionModels.begin());
+}
+
+const MeasuredPair* pair_of(int a, int b, const std::vector<MeasuredPair>& pairs) {
+  const auto found =
+      std::find_if(pairs.begin(), pairs.end(), [&](const MeasuredPair& p) { return p.a == a && p.b == b; });
+  return found == pairs.end() ? nullptr : &*found;
 }
 
 /// One pair as a quadratic form of the motion between its shots: |root * vector(measured^-1 b_from_a)|^2.
@@ -31,18 +38,36 @@ Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& covariance) {
   return llt.matrixL().solve(Eigen::MatrixXd::Identity(c.rows(), c.cols()));
 }
 
+/// What a richer estimate is when its unknowns from the n-th on must be zero: the conditional mean and covariance.
+void condition(Eigen::VectorXd& estimate, Eigen::MatrixXd& covariance, int n) {
+  const Eigen::Index left = estimate.size() - n;
+  const Eigen::MatrixXd gain =
+      covariance.bottomRightCorner(left, left).ldlt().solve(covariance.bottomLeftCorner(left, n));
+  estimate = (estimate.head(n) - gain.transpose() * estimate.tail(left)).eval();
+  covariance = (covariance.topLeftCorner(n, n) - gain.transpose() * covariance.bottomLeftCorner(left, n)).eval();
+}
+
 Constraint constraint_of(const MotionFrame& frame, const MeasuredPair& pair, MotionModel model) {
-  const MotionModel used = unknowns(pair.motion.richest) < unknowns(model) ? pair.motion.richest : model;
-  const Measurement& m = pair.motion.measured[index_of(used)];
+  const PairMotion& motion = pair.motion;
+  const MotionModel used = std::min(motion.richest, model);
   const int n = unknowns(used);
-  Constraint c{pair.a, pair.b, pair.motion.b_from_a * frame.motion(m.step), {}};
-  const Eigen::MatrixXd root = inverse_root(m.covariance.topLeftCorner(n, n));
+  const Measurement& m = motion.measured[index_of(std::max(used, std::min(motion.model, motion.richest)))];
+  Constraint c{pair.a, pair.b, motion.b_from_a * frame.motion(m.step), Eigen::MatrixXd::Zero(n, kMotionUnknowns)};
+  Eigen::MatrixXd covariance = m.covariance.topLeftCorner(n, n);
+  if (unknowns(motion.model) > n && unknowns(motion.richest) > n) {
+    const int all = unknowns(std::min(motion.model, motion.richest));
+    Eigen::VectorXd estimate = frame.vector(c.measured).head(all);
+    covariance = m.covariance.topLeftCorner(all, all);
+    condition(estimate, covariance, n);
+    MotionVector conditioned = MotionVector::Zero();
+    conditioned.head(n) = estimate;
+    c.measured = frame.motion(conditioned);
+  }
+  const Eigen::MatrixXd root = inverse_root(covariance);
   // A shift that was measured alone is that of what was compared, wherever the shots may turn.
-  if (used == MotionModel::kTranslation) {
-    c.root = root * frame.basis(pair.motion.middle);
-    c.root.rightCols(kMotionUnknowns - unknowns(model)).setZero();
+  if (used == MotionModel::kTranslation && model != used) {
+    c.root = root * frame.basis(motion.middle);
   } else {
-    c.root = Eigen::MatrixXd::Zero(n, kMotionUnknowns);
     c.root.leftCols(n) = root;
   }
   return c;
@@ -144,16 +169,45 @@ class JointProblem {
   int rows_ = 0;  ///< of pairs
 };
 
-/// Root mean square of each unknown over the neighbours that were measured: how such a camera moves.
-MotionVector typical_motion(const MotionFrame& frame, const std::vector<MeasuredPair>& pairs) {
-  MotionVector squares = MotionVector::Zero();
-  int good = 0;
-  for (const MeasuredPair& pair : pairs) {
-    if (!pair.good() || pair.b != pair.a + 1) continue;
-    squares += frame.vector(pair.motion.b_from_a).cwiseAbs2();
-    ++good;
+/// Three motions around a loop must be none. What is left beyond their covariances is what no covariance knows of:
+/// detail that moves by itself, a lens that breathes, compression. Its variance, for each unknown of one pair.
+MotionVector unmodelled_variance(const MotionFrame& frame, const std::vector<MeasuredPair>& pairs) {
+  MotionVector sum = MotionVector::Zero(), loops = MotionVector::Zero();
+  for (const MeasuredPair& over : pairs) {
+    if (over.b != over.a + 2 || !over.good()) continue;
+    const MeasuredPair *first = pair_of(over.a, over.a + 1, pairs), *second = pair_of(over.a + 1, over.b, pairs);
+    if (first == nullptr || second == nullptr || !first->good() || !second->good()) continue;
+    const MotionModel model = std::min({over.motion.richest, first->motion.richest, second->motion.richest});
+    const auto motion = [&](const MeasuredPair& pair) -> Mat3 {
+      return pair.motion.b_from_a * frame.motion(pair.motion.measured[index_of(model)].step);
+    };
+    const MotionVector closure = frame.vector(motion(over).inverse() * motion(*second) * motion(*first));
+    for (int k = 0; k < unknowns(model); ++k) {
+      sum[k] += closure[k] * closure[k];
+      for (const MeasuredPair* pair : {&over, first, second}) {
+        sum[k] -= pair->motion.measured[index_of(model)].covariance(k, k);
+      }
+      loops[k] += 1;
+    }
   }
-  return good > 0 ? MotionVector((squares / good).cwiseSqrt()) : MotionVector::Ones();
+  return (sum.array() / (3 * loops.array().max(1))).max(0);
+}
+
+/// Medians of the unknowns over the neighbours that measured them: how such a camera moves.
+MotionVector typical_motion(const MotionFrame& frame, const std::vector<MeasuredPair>& pairs) {
+  MotionVector typical = MotionVector::Ones();
+  for (int k = 0; k < kMotionUnknowns; ++k) {
+    std::vector<double> moves;
+    for (const MeasuredPair& pair : pairs) {
+      if (!pair.good() || pair.b != pair.a + 1 || unknowns(pair.motion.richest) <= k) continue;
+      moves.push_back(std::abs(frame.vector(pair.motion.b_from_a)[k]));
+    }
+    if (moves.empty()) continue;
+    const auto middle = moves.begin() + static_cast<std::ptrdiff_t>(moves.size() / 2);
+    std::nth_element(moves.begin(), middle, moves.end());
+    typical[k] = *middle / 0.6745;  // the deviation of a normal distribution with this median magnitude
+  }
+  return typical;
 }
 
 /// Starts of all shots along good pairs from the reference outwards; where none leads on, a shot lies where its
@@ -189,10 +243,8 @@ std::vector<Mat3> chained(int shots, int reference, const std::vector<MeasuredPa
 
 /// Why shot k hangs on a tie: the trouble of its pair with the neighbour that it was tied to.
 std::string trouble_of(int shot, int to, const std::vector<MeasuredPair>& pairs) {
-  for (const MeasuredPair& pair : pairs) {
-    if (std::min(shot, to) == pair.a && std::max(shot, to) == pair.b) return pair.motion.trouble;
-  }
-  return "it was not compared";
+  const MeasuredPair* pair = pair_of(std::min(shot, to), std::max(shot, to), pairs);
+  return pair != nullptr ? pair->motion.trouble : "it was not compared";
 }
 
 double mean_inliers(int shot, const std::vector<MeasuredPair>& pairs) {
@@ -207,31 +259,83 @@ double mean_inliers(int shot, const std::vector<MeasuredPair>& pairs) {
   return good > 0 ? sum / good : best;
 }
 
+/// How far a pair lies from the solution: root mean square over what was compared.
+double disagreement(const MeasuredPair& pair, const std::vector<Place>& places) {
+  const Mat3 solved = places[static_cast<std::size_t>(pair.b)].photo_from_ref *
+                      places[static_cast<std::size_t>(pair.a)].photo_from_ref.inverse();
+  double squares = 0;
+  for (int k = 0; k < 4; ++k) {
+    const Vec2 p = pair.motion.middle + (k < 2 ? 1 : -1) * std::numbers::sqrt2 * pair.motion.spread.col(k % 2);
+    squares += (moved(solved, p) - moved(pair.motion.b_from_a, p)).squaredNorm() / 4;
+  }
+  return std::sqrt(squares);
+}
+
+/// The median over the pairs of a shot.
+double disagreement(int shot, const std::vector<Place>& places, const std::vector<MeasuredPair>& pairs) {
+  std::vector<double> apart;
+  for (const MeasuredPair& pair : pairs) {
+    if (pair.good() && (pair.a == shot || pair.b == shot)) apart.push_back(disagreement(pair, places));
+  }
+  if (apart.empty()) return 0;
+  std::sort(apart.begin(), apart.end());
+  return 0.5 * (apart[apart.size() / 2] + apart[(apart.size() - 1) / 2]);
+}
+
 /// Keeps what the pictures do not say as small as it is elsewhere in the bracket.
 Constraint prior(int a, int b, const MotionVector& typical, MotionModel model) {
-  constexpr double kGenerous = 3, kLeast = 0.1;
+  constexpr double kLeast = 0.1;
   Constraint c{a, b, Mat3::Identity(), Eigen::MatrixXd::Zero(kMotionUnknowns - 2, kMotionUnknowns)};
-  for (int k = 2; k < unknowns(model); ++k) c.root(k - 2, k) = 1 / std::max(kLeast, kGenerous * typical[k]);
+  for (int k = 2; k < unknowns(model); ++k) c.root(k - 2, k) = 1 / std::max(kLeast, typical[k]);
   return c;
+}
+
+/// A camera that turns or is carried moves its picture by more than it deforms it: by the square of (half the diagonal
+/// over the focal length). What is deformed without having moved is film, or a lens, or compression at the ends of the
+/// scale, and another shot will not be deformed as this one is.
+bool camera_could_have(const MotionFrame& frame, const std::vector<MeasuredPair>& pairs) {
+  double moved = 0, deformed = 0;
+  for (const MeasuredPair& pair : pairs) {
+    if (!pair.good() || pair.b != pair.a + 1 || pair.motion.richest <= MotionModel::kRigid) continue;
+    const Measurement& best = pair.motion.measured[index_of(pair.motion.richest)];
+    MotionVector rigid = frame.vector(pair.motion.b_from_a * frame.motion(best.step)), rest = rigid;
+    rigid.tail<kMotionUnknowns - 3>().setZero();
+    rest.head<3>().setZero();
+    moved += std::pow(frame.rms_between(frame.motion(rigid), Mat3::Identity()), 2);
+    deformed += std::pow(frame.rms_between(frame.motion(rest), Mat3::Identity()), 2);
+  }
+  return deformed <= moved;
+}
+
+MotionModel cheaper_rigid(const std::array<double, kMotionModels.size()>& costs) {
+  return costs[1] < costs[0] ? MotionModel::kRigid : MotionModel::kTranslation;
 }
 
 }  // namespace
 
-MotionModel common_model(const std::vector<MeasuredPair>& pairs) {
+MotionModel common_model(const MotionFrame& frame, const std::vector<MeasuredPair>& pairs) {
+  const MotionVector unmodelled = unmodelled_variance(frame, pairs);
   std::array<double, kMotionModels.size()> sums{};
   for (const MeasuredPair& pair : pairs) {
     if (!pair.good()) continue;
-    const double last = pair.motion.costs[index_of(pair.motion.richest)];
+    const int m = unknowns(pair.motion.richest);
+    const Measurement& best = pair.motion.measured[index_of(pair.motion.richest)];
+    Eigen::MatrixXd doubt = best.covariance.topLeftCorner(m, m);
+    doubt.diagonal() += unmodelled.head(m);
+    const MotionVector estimate = frame.vector(pair.motion.b_from_a * frame.motion(best.step));
+    // A pair says nothing about unknowns that it could not measure, and pays for none.
     for (std::size_t k = 0; k < sums.size(); ++k) {
-      sums[k] += std::isfinite(pair.motion.costs[k]) ? pair.motion.costs[k] : last;
+      const int used = std::min(m, unknowns(kMotionModels[k]));
+      sums[k] += pair.motion.price * used + cost_of_leaving_out(used, estimate.head(m), doubt);
     }
   }
-  return cheapest(sums);
+  const MotionModel model = cheapest(sums);
+  return model > MotionModel::kRigid && !camera_could_have(frame, pairs) ? cheaper_rigid(sums) : model;
 }
 
 std::vector<Place> reconcile(const MotionFrame& frame, int shots, int reference,
                              const std::vector<MeasuredPair>& pairs) {
-  const MotionModel model = common_model(pairs);
+  const MotionModel model = common_model(frame, pairs);
   std::map<int, int> ties;
   const std::vector<Mat3> starts = chained(shots, reference, pairs, ties);
   std::vector<MotionVector> vectors;
@@ -261,6 +365,10 @@ std::vector<Place> reconcile(const MotionFrame& frame, int shots, int reference,
     place.error_px = frame.rms(covariances[static_cast<std::size_t>(k)]);
     place.inliers = mean_inliers(k, pairs);
     if (const auto tie = ties.find(k); tie != ties.end()) place.trouble = trouble_of(k, tie->second, pairs);
+  }
+  for (int k = 0; k < shots; ++k) {
+    double& error = places[static_cast<std::size_t>(k)].error_px;
+    if (k != reference) error = std::hypot(error, disagreement(k, places, pairs));
   }
   return places;
 }

@@ -2,6 +2,7 @@
 // that the pictures support.
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -47,7 +48,14 @@ void iterate(const MotionFrame& frame, const LogPicture& a, const LogPicture& b,
     e.enough = e.at.pixels >= kFewestPixels;
     if (!e.enough) return;
     e.median = e.at.median_magnitude();
-    e.step = Evidence(frame, e.at, e.match).step(e.model, move);
+    const Evidence evidence(frame, e.at, e.match);
+    if (const MotionModel richest = evidence.richest(); e.model > richest) {
+      // Less to go by than there was at another level.
+      e.motion = evidence.nearest(e.motion, richest);
+      e.model = richest;
+      if (k < iterations) continue;
+    }
+    e.step = evidence.step(e.model, move);
     e.enough = e.step.finite();
     if (!e.enough) return;
     shorten(frame, e.step, kLongestStep * a.cell);
@@ -119,14 +127,20 @@ Agreement agreement_of(const LogPicture& a, const LogPicture& b, const Mat3& b_f
 }
 
 /// Where the compared pixels lie, weighted by what they say.
-Vec2 middle_of(const Linearization& at) {
+void locate(const Linearization& at, PairMotion& motion) {
   Vec2 sum = Vec2::Zero();
-  double weights = 0;
+  Mat2 squares = 1e-12 * Mat2::Identity();
+  double weights = 1e-30;
   for (const TileSums& tile : at.tiles) {
     sum += (tile.xx + tile.yy) * tile.middle;
     weights += tile.xx + tile.yy;
   }
-  return weights > 0 ? Vec2(sum / weights) : at.tiles.front().middle;
+  motion.middle = sum / weights;
+  for (const TileSums& tile : at.tiles) {
+    const Vec2 away = tile.middle - motion.middle;
+    squares += (tile.xx + tile.yy) / weights * away * away.transpose();
+  }
+  motion.spread = Eigen::LLT<Mat2>(squares).matrixL();
 }
 
 /// What the estimate at the finest level is worth.
@@ -137,8 +151,8 @@ PairMotion measured(const MotionFrame& frame, const LogPicture& a, const Estimat
   PairMotion motion;
   motion.model = e.model;
   motion.richest = evidence.richest();
-  motion.costs = evidence.costs(e.motion, floor);
-  motion.middle = middle_of(e.at);
+  motion.price = evidence.price();
+  locate(e.at, motion);
   motion.inliers = inliers;
   motion.b_from_a = e.stepped(frame);
   for (std::size_t k = 0; k < kMotionModels.size(); ++k) {
@@ -193,9 +207,8 @@ PairMotion shift_motion(Size size, const Vec2& shift, const Mat2& covariance) {
   PairMotion motion;
   motion.b_from_a = shift_by(shift);
   motion.middle = MotionFrame(size).middle;
+  motion.spread.diagonal() << 0.29 * size.width, 0.29 * size.height;  // the whole picture
   motion.measured[0].covariance.topLeftCorner<2, 2>() = covariance;
-  motion.costs.fill(std::numeric_limits<double>::infinity());
-  motion.costs[0] = 0;
   motion.inliers = 1;
   return motion;
 }

@@ -52,9 +52,18 @@ double typical_motion(const MotionFrame& frame, const std::vector<int>& used,
 
 }  // namespace
 
-bool all_still(const MotionFrame& frame, const std::vector<Place>& places) {
-  return std::all_of(places.begin(), places.end(),
-                     [&](const Place& p) { return p.trouble.empty() && bracket_lies_still(moved_px(frame, p)); });
+bool bracket_stays(const MotionFrame& frame, const std::vector<Place>& places) {
+  constexpr double kNeverPx = 1;         // farther off, staying is never right
+  constexpr double kResamplingPx = 0.1;  // what resampling costs, as the shift that would blur as much
+  double stay = 0, move = 0, farthest = 0, largest = 0;
+  for (const Place& place : places) {
+    const double moved = frame.rms_between(place.photo_from_ref, Mat3::Identity());
+    stay += moved * moved;
+    move += place.error_px * place.error_px + kResamplingPx * kResamplingPx;
+    largest = std::max(largest, moved);
+    farthest = std::max(farthest, moved_px(frame, place));
+  }
+  return farthest < kStillPx || (largest < kNeverPx && stay <= move);
 }
 
 FrameAlignment decided(const MotionFrame& frame, const Place& place, bool bracket_still) {
@@ -64,10 +73,13 @@ FrameAlignment decided(const MotionFrame& frame, const Place& place, bool bracke
   row.inliers = place.inliers;
   if (!place.trouble.empty()) {
     row.skipped = fmt::format("not measured against its neighbour, moves with it: {}", place.trouble);
+    if (bracket_still) return row;
   } else if (bracket_still || lies_still(moved, place.error_px)) {
     // What is left uncorrected is the measured motion itself, and its error.
     row.residual_px = std::hypot(moved, place.error_px);
-    row.skipped = fmt::format("registered already, within {:.2f} px", std::max(0.01, moved + 2 * place.error_px));
+    const char* why = moved < kStillPx ? "registered already, within {:.2f} px"
+                                       : "within {:.2f} px: moving this bracket would bring its shots no nearer";
+    row.skipped = fmt::format(fmt::runtime(why), std::max(0.01, moved + 2 * place.error_px));
     return row;
   }
   row.ref_from_photo = place.photo_from_ref.inverse();

@@ -8,8 +8,6 @@ namespace {
 
 constexpr int kTiles = 8, kTileSide = 64;  // 262 144 pixels of a photograph of any size
 constexpr int kSamplesASide = 4;           // of each cell of a thumbnail
-constexpr double kStillPx = 0.1;           // a merge does not see it
-constexpr double kBracketStillPx = 0.3;    // nor does it gain, if no shot is farther off: resampling would blur as much
 constexpr double kBiasPx = 0.03;           // what response, compression and resampling may add to a measured shift
 
 }  // namespace
@@ -49,7 +47,7 @@ std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b)
   if (a.tiles.ln.empty()) return std::nullopt;
   PairMotion near = refine_in_place(a.size, a.tiles, b.tiles, [&](Linearization& at) { place_tiles(at, a.size); });
   const MotionFrame frame(a.size);
-  if (!near.trouble.empty() || !bracket_lies_still(frame.farthest_between(near.b_from_a, Mat3::Identity()))) {
+  if (!near.trouble.empty() || frame.farthest_between(near.b_from_a, Mat3::Identity()) >= kStillPx) {
     return std::nullopt;
   }
   return near;
@@ -57,10 +55,6 @@ std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b)
 
 bool lies_still(double moved_px, double error_px) {
   return moved_px < kStillPx && moved_px < 3 * error_px + kBiasPx;
-}
-
-bool bracket_lies_still(double farthest_px) {
-  return farthest_px < kBracketStillPx;
 }
 
 }  // namespace hdr::internal

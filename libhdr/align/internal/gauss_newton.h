@@ -39,7 +39,6 @@ struct TileSums {
   std::array<double, kKnots> x_knot{}, y_knot{}, knot{}, next_knot{};
   Vec2 shift_score = Vec2::Zero();
   KnotVector knot_score = KnotVector::Zero();
-  double loss = 0;  ///< Geman-McClure's, 0 to 1 a pixel
   int pixels = 0;
 };
 

@@ -16,8 +16,8 @@ struct Place {
   std::string trouble;  ///< why it could not be measured (it then moves with its neighbour); else empty
 };
 
-/// The model that all pairs together support.
-MotionModel common_model(const std::vector<MeasuredPair>& pairs);
+/// The model that all pairs together support, each as sure as its tiles and the loops it closes say.
+MotionModel common_model(const MotionFrame& frame, const std::vector<MeasuredPair>& pairs);
 
 /// Least squares over the motions of all shots but the reference, each pair weighted by its covariance, with a robust
 /// loss for pairs that contradict the others. `shots` places in the order of `used`; `reference` is one of them.

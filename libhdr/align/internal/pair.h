@@ -27,10 +27,11 @@ struct PairMotion {
   MotionModel model = MotionModel::kTranslation;    ///< of b_from_a
   MotionModel richest = MotionModel::kTranslation;  ///< the last model with a measurement
   std::array<Measurement, kMotionModels.size()> measured{};
-  std::array<double, kMotionModels.size()> costs{};  ///< Evidence::costs
-  Vec2 middle = Vec2::Zero();                        ///< of what was compared, pixels of a
-  double inliers = 0;                                ///< share of the textured tiles that agree with the motion
-  std::string trouble;  ///< why the motion could not be measured (b_from_a is then the identity); else empty
+  double price = 0;            ///< of one unknown, in chi^2 (Evidence::price)
+  Vec2 middle = Vec2::Zero();  ///< of what was compared, pixels of a
+  Mat2 spread = Mat2::Zero();  ///< a root of the covariance of its places
+  double inliers = 0;          ///< share of the textured tiles that agree with the motion
+  std::string trouble;         ///< why the motion could not be measured (b_from_a is then the identity); else empty
 };
 
 inline PairMotion failed(const std::string& why, double inliers = 0) {

@@ -7,8 +7,11 @@
 
 namespace hdr::internal {
 
-/// No shot is so far from the reference that resampling would mend more than it blurs.
-bool all_still(const MotionFrame& frame, const std::vector<Place>& places);
+/// Do the shots stay where they are? Yes where all lie within a tenth of a pixel of the reference; and where moving
+/// them would bring them no nearer: the squares of the measured motions, summed over the shots, are less than those of
+/// the errors that moving leaves, its resampling included. (Film scans that were registered by hand are such a
+/// bracket.)
+bool bracket_stays(const MotionFrame& frame, const std::vector<Place>& places);
 
 /// The row of a shot that has a place. `bracket_still`: all of them keep the identity.
 FrameAlignment decided(const MotionFrame& frame, const Place& place, bool bracket_still);

@@ -20,12 +20,10 @@ struct StillProbe {
 StillProbe still_probe(const Photo& photo, const Linearizer& linearizer);
 std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b);
 
+/// Motion that a merge does not see, anywhere in the picture, pixels.
+inline constexpr double kStillPx = 0.1;
+
 /// A motion this small (anywhere in the picture) and this uncertain is no evidence of motion.
 bool lies_still(double moved_px, double error_px);
-
-/// A bracket registered to whole pixels (scanned film, a tripod that gave a little): no shot is farther off than this.
-/// Bilinear resampling by a fraction f of a pixel blurs by f (1 - f) / 2 of the second difference, in every shot but
-/// one, and is no better than what it would mend.
-bool bracket_lies_still(double farthest_px);
 
 }  // namespace hdr::internal
