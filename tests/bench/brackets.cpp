@@ -7,6 +7,8 @@
 
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
+#include "libhdr/filter/resize.h"
+#include "libhdr/io/read.h"
 #include "libhdr/io/write.h"
 #include "libhdr/response/expose.h"
 #include "tests/support/support.h"
@@ -110,6 +112,37 @@ Image<float> textured_scene(Size size, std::uint64_t seed) {
   return scene;
 }
 
+Image<float> textured_map(View<const float> map, Size size, std::uint64_t seed) {
+  Image<float> ln = resize(map, {std::max(2, size.width / 4), std::max(2, size.height / 4)});
+  std::vector<float> greens;
+  for (int y = 0; y < ln.height(); ++y) {
+    for (float* v = ln.row(y); v != ln.row(y) + ln.row_samples(); ++v) *v = std::log(std::max(*v, 1e-6f));
+    for (int x = 0; x < ln.width(); ++x) greens.push_back(ln(x, y, 1));
+  }
+  const auto middle = greens.begin() + static_cast<std::ptrdiff_t>(greens.size() / 2);
+  std::nth_element(greens.begin(), middle, greens.end());
+  const float median = *middle;
+  Image<float> scene(size, 3);
+  for_rows(size.height, 16, [&](int first, int last) {
+    std::vector<float> texture(static_cast<std::size_t>(size.width));
+    for (int y = first; y < last; ++y) {
+      texture_row(texture, y, seed);
+      const float v = static_cast<float>(y) * static_cast<float>(ln.height() - 1) / static_cast<float>(size.height);
+      for (int x = 0; x < size.width; ++x) {
+        const float u = static_cast<float>(x) * static_cast<float>(ln.width() - 1) / static_cast<float>(size.width);
+        const int left = static_cast<int>(u), top = static_cast<int>(v);
+        const float s = u - static_cast<float>(left), t = v - static_cast<float>(top);
+        for (int c = 0; c < 3; ++c) {
+          const float above = smoothly(ln(left, top, c), ln(left + 1, top, c), s);
+          const float below = smoothly(ln(left, top + 1, c), ln(left + 1, top + 1, c), s);
+          scene(x, y, c) = std::exp(smoothly(above, below, t) - median + texture[static_cast<std::size_t>(x)]);
+        }
+      }
+    }
+  });
+  return scene;
+}
+
 std::vector<double> uniform_evs(int count, double step) {
   std::vector<double> evs;
   for (int k = 0; k < count; ++k) evs.push_back(step * (k - (count - 1) / 2));
@@ -118,15 +151,19 @@ std::vector<double> uniform_evs(int count, double step) {
 
 Truth photograph(const BracketPlan& plan, const Path& folder) {
   Truth truth;
-  truth.radiance = textured_scene(plan.size, plan.seed);
+  truth.radiance = plan.map.empty() ? textured_scene(plan.size, plan.seed)
+                                    : textured_map(read_map(plan.map).map.rgb, plan.size, plan.seed);
   truth.response = plan.response;
   truth.k = kMiddleLevel / kMiddleSeconds;
   std::filesystem::create_directories(folder);
   for (std::size_t shot = 0; shot < plan.evs.size(); ++shot) {
     Exposure exposure;
     exposure.seconds = kMiddleSeconds * std::exp2(plan.evs[shot]);
-    const Photo photo =
-        expose(truth.radiance, exposure, {plan.response, NoiseModel{}, truth.k}, 1000 * plan.seed + shot);
+    const Sensor sensor{plan.response, NoiseModel{}, truth.k};
+    const std::uint64_t seed = 1000 * plan.seed + shot;
+    const bool still = plan.scene_from_photo.empty();
+    const Photo photo = still ? expose(truth.radiance, exposure, sensor, seed)
+                              : expose(shake(truth.radiance, plan.scene_from_photo[shot]), exposure, sensor, seed);
     write_photo(folder / fmt::format("shot_{:02d}.{}", shot, plan.format), photo);
     truth.seconds.push_back(*exposure.seconds);
   }

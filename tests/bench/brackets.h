@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libhdr/core/photo.h"
+#include "libhdr/core/vec.h"
 #include "libhdr/response/response.h"
 
 namespace hdr::bench {
@@ -12,6 +13,9 @@ namespace hdr::bench {
 /// test_scene's ramp, waves and boxes, interpolated in ln from an eighth of the size, with fractal texture as surfaces
 /// have it, and a few lamps that no shot of a usual bracket holds: about 16 stops, median near 1.
 Image<float> textured_scene(Size size, std::uint64_t seed);
+
+/// A radiance map stretched to `size` in ln, with the same texture: what real light looks like through a large sensor.
+Image<float> textured_map(View<const float> map, Size size, std::uint64_t seed);
 
 /// level = radiance * k * seconds of full well.
 struct Truth {
@@ -27,6 +31,8 @@ struct BracketPlan {
   Response response;
   std::string format = "jpg";  ///< quality 95, 4:2:0; png, tif
   std::uint64_t seed = 1;
+  Path map;                              ///< the scene is textured_map() of this, not textured_scene()
+  std::vector<Mat3> scene_from_photo{};  ///< of each shot, as shake() takes it; empty: none has moved
 };
 
 /// `count` shots, `step` stops apart, the middle one at 0.
