@@ -68,8 +68,8 @@ void add_row(const LogPicture& a, int y, const RowRing& b, int side, std::vector
     t.ab += ax * bx + ay * by;
     t.aa += ax * ax + ay * ay;
     t.bb += bx * bx + by * by;
-    t.noise_a += kGradientNoise * va[x];
-    t.noise_b += kGradientNoise * vb;
+    t.noise_a += 2 * kGradientNoise * va[x];
+    t.noise_b += 2 * kGradientNoise * vb;
     ++t.pixels;
   }
 }

@@ -53,6 +53,7 @@ class RowAccumulator {
       sums.shift_score.y() += gy * wr;
       sums.knot_score[row] -= to_this * wr;
       sums.knot_score[row + 1] -= to_next * wr;
+      sums.noise += weight * kGradientNoise * variance_a[x];
       ++sums.pixels;
       if (++part.pixels % kSampleStep == 0) part.magnitudes.push_back(static_cast<float>(magnitude));
     }
@@ -65,7 +66,7 @@ class RowAccumulator {
 
 /// From gradients in pixels of the picture to displacements in pixels of the photograph.
 void rescale(TileSums& tile, double cell) {
-  for (double* second : {&tile.xx, &tile.xy, &tile.yy}) *second /= cell * cell;
+  for (double* second : {&tile.xx, &tile.xy, &tile.yy, &tile.noise}) *second /= cell * cell;
   for (std::size_t k = 0; k < kKnots; ++k) {
     tile.x_knot[k] /= cell;
     tile.y_knot[k] /= cell;

@@ -241,10 +241,12 @@ std::vector<Mat3> chained(int shots, int reference, const std::vector<MeasuredPa
   return places;
 }
 
-/// Why shot k hangs on a tie: the trouble of its pair with the neighbour that it was tied to.
-std::string trouble_of(int shot, int to, const std::vector<MeasuredPair>& pairs) {
-  const MeasuredPair* pair = pair_of(std::min(shot, to), std::max(shot, to), pairs);
-  return pair != nullptr ? pair->motion.trouble : "it was not compared";
+/// The pair of shot k with the neighbour that it was tied to; a pair rather that knows its doubt.
+const MeasuredPair* pair_in_trouble(int shot, int to, const std::vector<MeasuredPair>& pairs) {
+  for (const MeasuredPair& pair : pairs) {
+    if ((pair.a == shot || pair.b == shot) && pair.motion.doubt_px > 0) return &pair;
+  }
+  return pair_of(std::min(shot, to), std::max(shot, to), pairs);
 }
 
 double mean_inliers(int shot, const std::vector<MeasuredPair>& pairs) {
@@ -350,10 +352,14 @@ std::vector<Place> reconcile(const MotionFrame& frame, int shots, int reference,
   }
   const bool turns = model != MotionModel::kTranslation;
   for (int k = 0; turns && k + 1 < shots; ++k) joint.add(prior(k, k + 1, typical, model), false);
-  // A shot that could not be measured has moved as much as the others have: that is the doubt it adds.
+  // A shot that could not be measured has moved as much as the others have, and one that contradicts them is farther
+  // off than was looked: that is the doubt it adds.
   for (const auto& [shot, to] : ties) {
+    const MeasuredPair* pair = pair_in_trouble(shot, to, pairs);
+    double doubt = typical.head<2>().norm() / std::numbers::sqrt2;
+    if (pair != nullptr && pair->motion.doubt_px > 0) doubt = pair->motion.doubt_px / std::numbers::sqrt2;
     Constraint tie{to, shot, Mat3::Identity(), Eigen::MatrixXd::Zero(2, kMotionUnknowns)};
-    tie.root(0, 0) = tie.root(1, 1) = 1 / std::max(1e-3, typical.head<2>().norm() / std::sqrt(2.0));
+    tie.root(0, 0) = tie.root(1, 1) = 1 / std::max(1e-3, doubt);
     joint.add(tie, false);
   }
   joint.solve();
@@ -364,7 +370,10 @@ std::vector<Place> reconcile(const MotionFrame& frame, int shots, int reference,
     if (k != reference) place.photo_from_ref = frame.motion(vectors[static_cast<std::size_t>(k)]);
     place.error_px = frame.rms(covariances[static_cast<std::size_t>(k)]);
     place.inliers = mean_inliers(k, pairs);
-    if (const auto tie = ties.find(k); tie != ties.end()) place.trouble = trouble_of(k, tie->second, pairs);
+    if (const auto tie = ties.find(k); tie != ties.end()) {
+      const MeasuredPair* pair = pair_in_trouble(k, tie->second, pairs);
+      place.trouble = pair != nullptr ? pair->motion.trouble : "it was not compared";
+    }
   }
   for (int k = 0; k < shots; ++k) {
     double& error = places[static_cast<std::size_t>(k)].error_px;

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "libhdr/align/internal/evidence.h"
 #include "libhdr/align/internal/pair.h"
@@ -83,8 +84,10 @@ void iterate_models(const MotionFrame& frame, const LogPicture& a, const LogPict
     const Estimate before = e;
     e.model = better;
     iterate(frame, a, b, e, iterations, true);
-    if (!e.enough) e = before;
-    if (!e.enough) return;
+    if (!e.enough || e.model <= before.model) {  // there it had too little to go by
+      e = before;
+      return;
+    }
   }
 }
 
@@ -113,17 +116,31 @@ std::string no_better_than_still(const MotionFrame& frame, const LogPicture& a, 
   return mean_loss(e, scale) > 1.01 * mean_loss(still, scale) ? "moving it would not match its neighbour better" : "";
 }
 
-/// The share of agreeing tiles, or why it is too small.
-struct Agreement {
-  double inliers = 0;
-  std::string trouble;
-};
+/// Why too few tiles agree on the motion, as a failed pair; else nullopt, and `inliers` is their share.
+std::optional<PairMotion> disagreeing(Size size, const LogPicture& a, const LogPicture& b, const Mat3& b_from_a,
+                                      double& inliers) {
+  const std::optional<double> share = agreement(a, b, b_from_a);
+  if (!share) return failed("they share no texture above their noise");
+  inliers = *share;
+  if (inliers >= kLeastInliers) return std::nullopt;
+  return failed(fmt::format("only {:.0f} % of what they share agrees on one motion", 100 * inliers), inliers,
+                searched_px(size));
+}
 
-Agreement agreement_of(const LogPicture& a, const LogPicture& b, const Mat3& b_from_a) {
-  const std::optional<double> inliers = agreement(a, b, b_from_a);
-  if (!inliers) return {0, "they share no texture above their noise"};
-  if (*inliers >= kLeastInliers) return {*inliers, ""};
-  return {*inliers, fmt::format("only {:.0f} % of what they share agrees on one motion", 100 * *inliers)};
+/// Does the content fix the motion in every direction? Noise has gradients as well, which fix nothing.
+bool fixed_in_all_directions(const Linearization& at) {
+  constexpr double kLeastOverNoise = 1.5;
+  Mat2 sum = Mat2::Zero();
+  double noise = 0;
+  for (const TileSums& tile : at.tiles) {
+    sum(0, 0) += tile.xx;
+    sum(1, 1) += tile.yy;
+    sum(0, 1) += tile.xy;
+    noise += tile.noise;
+  }
+  const double mean = 0.5 * sum.trace();
+  const double least = mean - std::hypot(0.5 * (sum(0, 0) - sum(1, 1)), sum(0, 1));
+  return least > kLeastOverNoise * noise && least > 1e-3 * mean;
 }
 
 /// Where the compared pixels lie, weighted by what they say.
@@ -164,10 +181,28 @@ PairMotion measured(const MotionFrame& frame, const LogPicture& a, const Estimat
     motion.measured[k].covariance.diagonal().head(m).array() += floor * floor;
   }
   const double error = std::sqrt(evidence.step(MotionModel::kTranslation).covariance.trace());
-  if (!(error < kLargestError * a.cell)) {
+  if (!(error < kLargestError * a.cell) || !fixed_in_all_directions(e.at)) {
     return failed(fmt::format("its content does not fix the motion (error {:.2g} px)", error), inliers);
   }
   return motion;
+}
+
+/// A rival that is as good, a period of a pattern away; its distance, or 0.
+double equal_rival(const Pyramid& a, const Pyramid& b, const Estimate& e) {
+  constexpr double kAsGood = 1.2;
+  const MotionFrame frame(a.size);
+  PairMotion place;
+  locate(e.at, place);
+  for (const Vec2& period : repeats(a, place.middle)) {
+    for (const double sign : {1.0, -1.0}) {
+      Estimate rival = e;
+      rival.motion = e.motion * shift_by(sign * period);
+      iterate(frame, a.levels[0], b.levels[0], rival, 2, true);
+      const double scale = std::max(e.median, 1e-3) / kMedianOfNormal;
+      if (rival.enough && mean_loss(rival, scale) < kAsGood * mean_loss(e, scale)) return period.norm();
+    }
+  }
+  return 0;
 }
 
 /// Coarse to fine from `start` down to level `last`.
@@ -225,12 +260,21 @@ PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat
     if (best.enough && &start == &starts.front() && best.median < kNoiseLevel) break;
   }
   if (!best.enough) return failed("too few pixels in common");
-  const auto [inliers, trouble] = agreement_of(ca, cb, best.stepped(frame));
-  if (!trouble.empty()) return failed(trouble, inliers);
+  constexpr double kMostTurn = 30;  // degrees; a hand does not turn a camera farther between two shots
+  const double turn = frame.vector(best.motion)[2] / frame.radius * 180 / std::numbers::pi;
+  if (std::abs(turn) > kMostTurn) {
+    return failed(fmt::format("it is turned by {:.0f} degrees; rotate the file", turn), 0, frame.radius);
+  }
+  double inliers = 0;
+  if (const auto trouble = disagreeing(a.size, ca, cb, best.stepped(frame), inliers)) return *trouble;
   if (const std::string why = no_better_than_still(frame, ca, cb, best); !why.empty()) return failed(why, inliers);
   if (coarse > 0) {
     best.motion = best.stepped(frame);
     iterate_models(frame, a.levels[0], b.levels[0], best, 6);
+  }
+  if (const double period = best.enough ? equal_rival(a, b, best) : 0; period > 0) {
+    return failed(fmt::format("its pattern repeats every {:.1f} px, and another match is as good", period), inliers,
+                  period);
   }
   return measured(frame, a.levels[0], best, inliers);
 }
@@ -246,8 +290,8 @@ PairMotion polish_motion(const Pyramid& a, const Pyramid& b, const Mat3& start, 
   iterate(frame, a.levels[coarse], b.levels[coarse], e, 3, false);
   if (!e.enough) return failed("too few pixels in common");
   e.motion = start;
-  const auto [inliers, trouble] = agreement_of(a.levels[coarse], b.levels[coarse], start);
-  if (!trouble.empty()) return failed(trouble, inliers);
+  double inliers = 0;
+  if (const auto trouble = disagreeing(a.size, a.levels[coarse], b.levels[coarse], start, inliers)) return *trouble;
   iterate(frame, a.levels[0], b.levels[0], e, 2, true);
   return measured(frame, a.levels[0], e, inliers);
 }
@@ -264,8 +308,9 @@ PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b,
   const Evidence evidence(frame, e.at, e.match);
   e.model = cheapest(evidence.costs(e.motion, kAliasing * a.cell));
   e.step = evidence.step(e.model);
-  const auto [inliers, trouble] = agreement_of(a, b, e.motion);
-  return trouble.empty() ? measured(frame, a, e, inliers) : failed(trouble, inliers);
+  double inliers = 0;
+  if (const auto trouble = disagreeing(size, a, b, e.motion, inliers)) return *trouble;
+  return measured(frame, a, e, inliers);
 }
 
 PairMotion assess_shift(const Pyramid& a, const Pyramid& b, const Vec2& b_from_a) {

@@ -57,6 +57,7 @@ bool bracket_stays(const MotionFrame& frame, const std::vector<Place>& places) {
   constexpr double kResamplingPx = 0.1;  // what resampling costs, as the shift that would blur as much
   double stay = 0, move = 0, farthest = 0, largest = 0;
   for (const Place& place : places) {
+    if (!place.trouble.empty()) continue;  // it goes where its neighbour goes
     const double moved = frame.rms_between(place.photo_from_ref, Mat3::Identity());
     stay += moved * moved;
     move += place.error_px * place.error_px + kResamplingPx * kResamplingPx;

@@ -90,6 +90,10 @@ class ShiftTable {
     return std::atanh(std::min(c.value, 0.9999)) * std::sqrt(c.pixels - 3.0);
   }
 
+  double correlation(int dx, int dy) const {
+    return significance(dx, dy) > 0 ? table_[static_cast<std::size_t>((dy + radius_) * side_ + dx + radius_)].value : 0;
+  }
+
   bool is_peak(int dx, int dy) const {
     const double here = significance(dx, dy);
     for (int k = 0; k < 9; ++k) {
@@ -130,6 +134,34 @@ std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int ra
                    parabola_top(at(0, -1), p.significance, at(0, 1)));
     shifts.emplace_back((Vec2(p.dx, p.dy) + top) * a.cell);
   }
+  return shifts;
+}
+
+std::vector<Vec2> repeats(const Pyramid& picture, const Vec2& middle) {
+  constexpr int kWindow = 64, kRadius = 10, kDetail = 4, kOwnWidth = 2;
+  constexpr double kAlike = 0.8;
+  std::vector<Vec2> shifts;
+  for (const LogPicture& level : picture.levels) {
+    const int width = std::min(kWindow, level.ln.width()), height = std::min(kWindow, level.ln.height());
+    const int left = std::clamp(static_cast<int>(middle.x() / level.cell) - width / 2, 0, level.ln.width() - width);
+    const int top = std::clamp(static_cast<int>(middle.y() / level.cell) - height / 2, 0, level.ln.height() - height);
+    LogPicture window{Image<float>(width, height, 1), Image<float>(width, height, 1), level.cell};
+    for (int y = 0; y < height; ++y) {
+      std::copy_n(level.ln.row(top + y) + left, width, window.ln.row(y));
+      std::copy_n(level.variance.row(top + y) + left, width, window.variance.row(y));
+    }
+    const LogPicture detail = detail_of(window, kDetail);
+    const ShiftTable table(detail, detail, kRadius);
+    for (int dy = 0; dy <= kRadius; ++dy) {
+      for (int dx = dy == 0 ? 1 : -kRadius; dx <= kRadius; ++dx) {
+        if (std::max(std::abs(dx), dy) <= kOwnWidth || !table.is_peak(dx, dy)) continue;
+        if (table.correlation(dx, dy) > kAlike) shifts.emplace_back(Vec2(dx, dy) * level.cell);
+      }
+    }
+  }
+  constexpr std::size_t kMost = 4;  // the shortest: the others are their multiples
+  std::stable_sort(shifts.begin(), shifts.end(), [](const Vec2& p, const Vec2& q) { return p.norm() < q.norm(); });
+  shifts.resize(std::min(shifts.size(), kMost));
   return shifts;
 }
 

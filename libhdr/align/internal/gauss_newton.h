@@ -39,8 +39,13 @@ struct TileSums {
   std::array<double, kKnots> x_knot{}, y_knot{}, knot{}, next_knot{};
   Vec2 shift_score = Vec2::Zero();
   KnotVector knot_score = KnotVector::Zero();
+  double noise = 0;  ///< what noise alone adds to xx and to yy
   int pixels = 0;
 };
+
+/// Variance, along each axis, of the gradient of binomially smoothed white noise, as a share of the noise's own:
+/// 0.5 x (6/16)^2 x (1 - 1/6).
+inline constexpr double kGradientNoise = 0.0586;
 
 struct Linearization {
   std::vector<TileSums> tiles;    ///< those with pixels in common

@@ -31,14 +31,22 @@ struct PairMotion {
   Vec2 middle = Vec2::Zero();  ///< of what was compared, pixels of a
   Mat2 spread = Mat2::Zero();  ///< a root of the covariance of its places
   double inliers = 0;          ///< share of the textured tiles that agree with the motion
+  double doubt_px = 0;         ///< of a failed pair
   std::string trouble;         ///< why the motion could not be measured (b_from_a is then the identity); else empty
 };
 
-inline PairMotion failed(const std::string& why, double inliers = 0) {
+/// `doubt_px`: how far the truth may be from no motion; 0: as far as such a camera moves.
+inline PairMotion failed(const std::string& why, double inliers = 0, double doubt_px = 0) {
   PairMotion motion;
   motion.trouble = why;
   motion.inliers = inliers;
+  motion.doubt_px = doubt_px;
   return motion;
+}
+
+/// How far motions are looked for, at least: the doubt about shots that show something, but nothing in common.
+inline double searched_px(Size size) {
+  return 0.1 * MotionFrame(size).radius;
 }
 
 /// A shift with its covariance, of pictures of this size, as methods report it that know no other motion.
@@ -54,6 +62,10 @@ struct Pyramid {
 /// search.cpp: the shifts (in photograph pixels) at which two small pictures correlate best, the best first, every
 /// whole shift within `radius` of their pixels tried. Empty: too little in common.
 std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most);
+
+/// search.cpp: shifts (photograph pixels) by which the picture around `middle` looks like itself, at any scale: a
+/// pattern that repeats. Of two opposite ones one.
+std::vector<Vec2> repeats(const Pyramid& picture, const Vec2& middle);
 
 /// refine.cpp: coarse to fine from the best of `starts`; the model grows as the pictures support it.
 PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat3> starts);
