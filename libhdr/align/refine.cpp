@@ -127,9 +127,10 @@ std::optional<PairMotion> disagreeing(Size size, const LogPicture& a, const LogP
                 searched_px(size));
 }
 
-/// Does the content fix the motion in every direction? Noise has gradients as well, which fix nothing.
+/// Does the content fix the motion in every direction? Along stripes there are the gradients of noise alone, which fix
+/// nothing. (Where all directions are alike, what both pictures show has been found to agree.)
 bool fixed_in_all_directions(const Linearization& at) {
-  constexpr double kLeastOverNoise = 1.5;
+  constexpr double kLeastOverNoise = 1.5, kAlike = 0.05, kLeast = 1e-3;
   Mat2 sum = Mat2::Zero();
   double noise = 0;
   for (const TileSums& tile : at.tiles) {
@@ -140,7 +141,7 @@ bool fixed_in_all_directions(const Linearization& at) {
   }
   const double mean = 0.5 * sum.trace();
   const double least = mean - std::hypot(0.5 * (sum(0, 0) - sum(1, 1)), sum(0, 1));
-  return least > kLeastOverNoise * noise && least > 1e-3 * mean;
+  return least > kAlike * mean || (least > kLeast * mean && least > kLeastOverNoise * noise);
 }
 
 /// Where the compared pixels lie, weighted by what they say.
