@@ -70,6 +70,7 @@
 #include "libhdr/light/prefilter.h"    // for real-time engines
 #include "libhdr/light/restore_clipped.h"  // suns that every shot clipped
 #include "libhdr/light/sh.h"           // project, irradiance, rotated
+#include "libhdr/light/sh_reflect.h"   // reflection in frequency space
 #include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing
 
