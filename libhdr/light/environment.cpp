@@ -34,33 +34,19 @@ Place place_of(const Vec3f& dir, Size size) {
   return {x, y, std::clamp(column - x, 0.0, 1.0), std::clamp(down, 0.0, 1.0)};
 }
 
-Rgb power_of(View<const float> map) {
-  return reduce_rows(
-      map.height(), 16, Rgb(Rgb::Zero()),
-      [&](int first, int last) {
-        Rgb part = Rgb::Zero();
-        for (int y = first; y < last; ++y) {
-          Rgb row = Rgb::Zero();
-          for (int x = 0; x < map.width(); ++x) {
-            const float* p = map.pixel(x, y);
-            row += Rgb(p[0], p[1], p[2]);
-          }
-          part += latlong_pixel_solid_angle(y, map.width(), map.height()) * row;
-        }
-        return part;
-      },
-      [](Rgb& total, const Rgb& part) { total += part; });
-}
-
 }  // namespace
 
 Environment::Environment(Image<float> latlong, Density density) : map_(std::move(latlong)) {
   HDR_ASSERT(map_.channels() == 3 && !map_.empty());
-  power_ = power_of(map_);
-  const double mean = luminance(power_[0], power_[1], power_[2]) / (4 * kPi);
-  weigh(density == Density::kCompensated ? mean : 0);
+  for (int y = 0; y <= map_.height(); ++y) shares_above_.push_back(share_above(kPi * y / map_.height()));
+  weigh(0);
+  for (int y = 0; y < map_.height(); ++y)
+    power_ += latlong_pixel_solid_angle(y, map_.width(), map_.height()) * columns_.row_sum(y);
+  if (density == Density::kLuminance || black()) return;
+  const double mean = total_ / (4 * kPi);
+  weigh(mean);
   // Nothing above its mean (by more than rounding): a grey map, which is sampled as it is.
-  if (density == Density::kCompensated && !(total_ > 1e-9 * mean)) weigh(0);
+  if (!(total_ > 1e-9 * mean)) weigh(0);
 }
 
 void Environment::weigh(double floor) {
@@ -101,12 +87,12 @@ Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y) const
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {
-  const int width = map_.width(), height = map_.height();
   const StepDistribution::Step row = rows_.step_of(u.y());
   const BlockDistribution::Place column = columns_.place_of(row.index, u.x());
-  const double azimuth = 2 * kPi * (0.5 - (column.x + column.inside) / width);
+  const double azimuth = 2 * kPi * (0.5 - (column.x + column.inside) / map_.width());
   // Uniform in solid angle: linear in the share of the sphere above, h = sin^2(theta / 2).
-  const double top = share_above(kPi * row.index / height), bottom = share_above(kPi * (row.index + 1) / height);
+  const auto above = shares_above_.begin() + row.index;
+  const double top = above[0], bottom = above[1];
   const double h = top + row.inside * (bottom - top);
   const double sine = 2 * std::sqrt(h * (1 - h));
   const Vec3 dir(sine * std::sin(azimuth), 1 - 2 * h, sine * std::cos(azimuth));

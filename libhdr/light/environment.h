@@ -58,9 +58,10 @@ class Environment {
   Sample sample_of(const Vec3f& dir, int x, int y) const;
 
   Image<float> map_;
-  StepDistribution rows_;      ///< by weight times solid angle
-  BlockDistribution columns_;  ///< of each row, by weight: its view is of map_, whose pixels do not move with it
-  double total_ = 0;           ///< integral of the weight
+  StepDistribution rows_;             ///< by weight times solid angle
+  BlockDistribution columns_;         ///< of each row, by weight: its view is of map_, whose pixels do not move with it
+  std::vector<double> shares_above_;  ///< of the sphere, above each row
+  double total_ = 0;                  ///< integral of the weight
   Rgb power_ = Rgb::Zero();
 };
 

@@ -66,6 +66,13 @@ float read_once(View<const float> map) {
       [](float& total, float part) { total += part; });
 }
 
+// Between two timed runs: nothing of the map is left in a cache, so that reading it once is reading memory.
+void forget_caches() {
+  static std::vector<float> other(32u << 20, 1.0f);
+  for (std::size_t k = 0; k < other.size(); k += 16) other[k] += 1;
+  sink = other[12345];
+}
+
 // Pixel by pixel in double; nothing of the fast way is shared. Y_lm over a cell by three Gauss nodes each way: what
 // that leaves, for cells of 2 pi / 256 and degree 10, is below 1e-9, and falls with the sixth power of their size.
 Sh brute_force(View<const float> map, int degree) {
@@ -123,7 +130,9 @@ void bench_sh(const std::vector<int>& widths, int brute_force_to, int repeats) {
       const double error = check ? relative_error(fast, brute_force(map, degree)) : NAN;
       Runs reads, projections;
       for (int k = 0; k < repeats; ++k) {
+        forget_caches();
         sink = reads.time([&] { return read_once(map); });
+        forget_caches();
         projections.time([&] { return project(map, LatLong{map.size()}, degree); });
       }
       const double ratio = projections.least().cpu / reads.least().cpu;
