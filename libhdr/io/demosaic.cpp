@@ -31,19 +31,22 @@ LibRaw_openbayer_patterns pattern_of(Cfa cfa) {
   return LIBRAW_OPENBAYER_RGGB;
 }
 
-/// Black to 0 and white to 65535, without gaps between the rows, as LibRaw takes it.
-std::vector<std::uint16_t> scaled(const Mosaic& mosaic) {
+/// A sample with black at 0 and white at 65535.
+std::uint16_t scaled(const Mosaic& mosaic, int x, int y) {
+  const double black = mosaic.black(x, y);
+  const double share = (mosaic.codes(x, y) - black) / (mosaic.white_level - black);
+  return static_cast<std::uint16_t>(std::lround(kWhite * std::clamp(share, 0.0, 1.0)));
+}
+
+/// All of them, without gaps between the rows, as LibRaw takes it. To DHT a zero is a sample that is missing, and it
+/// interpolates nothing darker than the darkest that is there: zeros become ones.
+std::vector<std::uint16_t> scaled_above_zero(const Mosaic& mosaic) {
   const int width = mosaic.codes.width(), height = mosaic.codes.height();
   std::vector<std::uint16_t> samples(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for_rows(height, 64, [&](int first, int last) {
     for (int y = first; y < last; ++y) {
-      const std::uint16_t* codes = mosaic.codes.row(y);
       std::uint16_t* to = samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-      for (int x = 0; x < width; ++x) {
-        const double black = mosaic.black(x, y);
-        const double share = (codes[x] - black) / (mosaic.white_level - black);
-        to[x] = static_cast<std::uint16_t>(std::lround(kWhite * std::clamp(share, 0.0, 1.0)));
-      }
+      for (int x = 0; x < width; ++x) to[x] = std::max<std::uint16_t>(1, scaled(mosaic, x, y));
     }
   });
   return samples;
@@ -96,7 +99,7 @@ Photo demosaic(const Mosaic& mosaic) {
                             mosaic.white_level, black));
   }
   HDR_ASSERT(mosaic.cfa != Cfa::kNone && mosaic.codes.channels() == 1);
-  std::vector<std::uint16_t> samples = scaled(mosaic);
+  std::vector<std::uint16_t> samples = scaled_above_zero(mosaic);
   const auto raw = interpolated(samples, size, mosaic.cfa);
   HDR_ASSERT(raw->imgdata.sizes.iwidth == size.width && raw->imgdata.sizes.iheight == size.height);
 
@@ -109,13 +112,13 @@ Photo demosaic(const Mosaic& mosaic) {
       const auto* colours = raw->imgdata.image + static_cast<std::ptrdiff_t>(y) * size.width;
       for (int x = 0; x < size.width; ++x) {
         std::uint16_t* rgb = codes.pixel(x, y);
-        std::copy_n(colours[x], 3, rgb);
+        for (int c = 0; c < 3; ++c) rgb[c] = colours[x][c] == 1 ? 0 : colours[x][c];  // see scaled_above_zero()
         for (int ny = std::max(0, y - 1); ny <= std::min(size.height - 1, y + 1); ++ny) {
           for (int nx = std::max(0, x - 1); nx <= std::min(size.width - 1, x + 1); ++nx) {
             if (sample(nx, ny) == kWhite) rgb[cfa_channel(mosaic.cfa, nx, ny)] = kWhite;
           }
         }
-        rgb[cfa_channel(mosaic.cfa, x, y)] = sample(x, y);  // what was seen stays as it was
+        rgb[cfa_channel(mosaic.cfa, x, y)] = scaled(mosaic, x, y);  // what was seen stays as it was
       }
     }
   });

@@ -46,6 +46,29 @@ Image<float> scene_up_to(double top, std::uint64_t seed) {
   return scene;
 }
 
+TEST(Demosaic, BlackBesideOneLevelStaysBlackInEveryPattern) {
+  constexpr std::uint16_t kLevel = 40000;
+  for (const Cfa cfa : kPatterns) {
+    Mosaic mosaic;
+    mosaic.cfa = cfa;
+    mosaic.white_level = 65535;
+    mosaic.codes = Words({64, 48}, 1);  // its left half is lit
+    for (int y = 0; y < 48; ++y) {
+      for (int x = 0; x < 64; ++x) mosaic.codes(x, y) = x < 32 ? kLevel : 0;
+    }
+    const Photo photo = demosaic(mosaic);
+    const auto& codes = std::get<Words>(photo.codes);
+    for (int y = 0; y < 48; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        if (x > 27 && x < 36) continue;  // the edge
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_NEAR(codes(x, y, c), x < 32 ? kLevel : 0, 2) << x << "," << y << " channel " << c;
+        }
+      }
+    }
+  }
+}
+
 TEST(Demosaic, OneColourStaysOneColourInEveryPatternAtEveryPlace) {
   constexpr std::uint16_t kColour[3] = {9000, 30000, 17000};
   for (const Cfa cfa : kPatterns) {
