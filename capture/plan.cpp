@@ -317,6 +317,12 @@ Plan plan_times(const Capabilities& limits, const BracketRequest& request) {
       plan.notes.push_back(fmt::format("{:.4g} s was asked, and the device exposes for {:.4g} to {:.4g} s", seconds,
                                        limits.seconds.min, limits.seconds.max));
     }
+    // Given times are kept, whatever the lamps.
+    const ExposureSetting steady = setting_near(setting.total(), limits, request.mains_hz);
+    if (request.mains_hz && std::abs(std::log(steady.total() / setting.total())) > 0.02) {
+      plan.notes.push_back(fmt::format("{:.4g} s is no multiple of the lamps' flicker and may show bands; {:.4g} s is",
+                                       setting.seconds, steady.seconds));
+    }
     plan.shots.push_back({setting, "the times were given"});
   }
   return plan;

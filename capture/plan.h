@@ -60,7 +60,8 @@ Plan plan_auto(const LightLevels& light, const Window& window, const std::vector
 /// `count` shots `stops` apart about the scene's middle. What the device cannot reach is left out, with a note.
 Plan plan_grid(const LightLevels& light, const Capabilities& limits, const BracketRequest& request);
 
-/// The given times, snapped; those that the device cannot reach are its limits, with a note.
+/// The given times, snapped; those that the device cannot reach are its limits, with a note. So have those that lamps
+/// make flicker, which are kept.
 Plan plan_times(const Capabilities& limits, const BracketRequest& request);
 
 }  // namespace hdr

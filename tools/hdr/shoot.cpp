@@ -53,7 +53,8 @@ void declare_options(CLI::App& app, Options& o) {
                  "the camera's, if known: a response file, srgb, linear, gamma:2.2; --auto then needs a shot less, and "
                  "bracket.json tells merge");
   app.add_option("--mains", o.mains,
-                 "hertz of the lamps' power, 50 or 60: exposures that are chosen here are multiples of their flicker")
+                 "hertz of the lamps' power, 50 or 60: exposures that are chosen here are multiples of their flicker; "
+                 "of --times, those that are none are kept, with a warning")
       ->check(CLI::IsMember({50, 60}));
   app.add_option("--deadline", o.deadline, "seconds until the whole bracket must be there")->check(CLI::PositiveNumber);
   app.add_option("--preview", o.preview, "live view before: until Enter is pressed, or for so many seconds")

@@ -248,6 +248,12 @@ TEST(Plan, GridsAndTimesAreKeptAsAsked) {
   EXPECT_DOUBLE_EQ(given.shots[0].setting.seconds, 0.25);
   EXPECT_DOUBLE_EQ(given.shots[2].setting.seconds, 2);
   EXPECT_EQ(given.notes.size(), 1u);
+  times.times = {0.005, 0.01, 0.0167, 0.02};
+  times.mains_hz = 50;
+  const Plan lamps = plan_times(device({1e-3, 2, 0}), times);
+  ASSERT_EQ(lamps.notes.size(), 1u) << "shorter than a period, nothing helps" << test::joined(lamps.notes);
+  EXPECT_NE(lamps.notes[0].find("0.0167 s"), std::string::npos) << lamps.notes[0];
+  EXPECT_DOUBLE_EQ(lamps.shots[2].setting.seconds, 0.0167);
 }
 
 }  // namespace
