@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <iostream>
 #include <thread>
 
 #include "capture/shoot.h"
@@ -61,9 +62,25 @@ class Latency : public ::testing::TestWithParam<int> {};
 TEST_P(Latency, EveryKeptFrameHasTheExposureThatItSays) {
   const Simulator simulator({"--latency", std::to_string(GetParam()), "--noise"});
   const auto camera = open_simulated(simulator);
-  const Take take = shoot(*camera, {.times = kTimes});
+  // The law of a bracket's time, in the camera's own: frames of a shot that came after it was asked for. Nothing tells
+  // when the first shot was.
+  int frames = 0, most = 0;
+  std::optional<Clock::time_point> begun;
+  ShootOptions options;
+  options.on_frame = [&](const Frame& frame) { frames += begun && frame.timestamp >= begun->time_since_epoch(); };
+  options.progress = [&](std::size_t, std::size_t) {
+    most = std::max(most, frames);
+    frames = 0;
+    begun = Clock::now();
+  };
+  const Take take = shoot(*camera, {.times = kTimes}, options);
   EXPECT_EQ(take.frames.size(), kTimes.size()) << (take.warnings.empty() ? "" : take.warnings.front());
   expect_true_exposures(take.frames, simulator);
+  EXPECT_GE(take.latency, GetParam()) << "USB's own comes on top of the sensor's";
+  EXPECT_LE(take.latency, GetParam() + 2);
+  EXPECT_LE(most, 3 + take.latency) << "frames for a shot";
+  EXPECT_GT(most, 0);
+  std::cout << "  latency " << take.latency << ": at most " << most << " frames a shot\n";
 }
 
 INSTANTIATE_TEST_SUITE_P(V4l2, Latency, ::testing::Values(0, 1, 2, 3, 4));
