@@ -1,5 +1,6 @@
-// resample(): tiles of 32 x 32 pixels, each of which is one polynomial and vectors where it lies smoothly in plain
-// pixels of the source, and pixel by pixel where it does not.
+// resample(): tiles of 32 x 32 pixels, each of which is one polynomial and
+// vectors where it lies smoothly in plain pixels of the source, and pixel by
+// pixel where it does not.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,7 +53,8 @@ class TileWorker {
   TileWorker(const Job& job, View<float> output)
       : job_(job), output_(output), filter_(job.neighbourhood, job.bilinear, job.contrast) {}
 
-  /// A tile that bends too much is tried again in quarters, the smallest pixel by pixel.
+  /// A tile that bends too much is tried again in quarters, the smallest pixel
+  /// by pixel.
   void write(const Tile& tile) {
     constexpr int kSmallest = 8;
     if (const auto polynomial = job_.coordinates.polynomial(tile)) return write_smooth(tile, *polynomial);
@@ -90,7 +92,8 @@ class TileWorker {
     }
   }
 
-  /// For all of a part where that may be, else for its quarters, in the end for each pixel.
+  /// For all of a part where that may be, else for its quarters, in the end for
+  /// each pixel.
   void choose_kernels(int region, const Part& part, const TileBounds& bounds) {
     constexpr int kSmallest = 8;
     const bool vectors = output_.channels() == 3;
@@ -143,7 +146,8 @@ class TileWorker {
             static_cast<double>(pixels_.shear[index])};
   }
 
-  /// The pixels of kernels that reach this far from these positions, and those that are read beyond.
+  /// The pixels of kernels that reach this far from these positions, and those
+  /// that are read beyond.
   static PixelBox box_around(const TileBounds& b, double reach_in_x, double reach_in_y) {
     const double rx = std::min(reach_in_x, 1e6), ry = std::min(reach_in_y, 1e6);
     return {static_cast<int>(std::floor(static_cast<double>(b.x0) - rx)),
@@ -152,7 +156,8 @@ class TileWorker {
             static_cast<int>(std::ceil(static_cast<double>(b.y1) + ry)) + 1};
   }
 
-  /// Where a lat-long's columns close in fast, its kernels widen from row to row (PixelFilter).
+  /// Where a lat-long's columns close in fast, its kernels widen from row to
+  /// row (PixelFilter).
   bool affine(const PixelBox& box) const {
     constexpr int kNearPole = 4;  // kernel heights
     if (!job_.neighbourhood.is_latlong()) return true;
@@ -160,7 +165,8 @@ class TileWorker {
     return box.first_y > reach && box.last_y < job_.neighbourhood.pixels().height() - reach;
   }
 
-  /// Whether eight by eight samples do at each of these positions, as far as their surroundings are concerned.
+  /// Whether eight by eight samples do at each of these positions, as far as
+  /// their surroundings are concerned.
   bool lies_well(int region, const TileBounds& bounds, double margin) const {
     const double reach = static_cast<double>(InterpolatingKernel::kReach) + margin;
     const PixelBox box = box_around(bounds, reach, reach);
@@ -168,10 +174,11 @@ class TileWorker {
            !job_.contrast.harsh(box.first_x, box.first_y, box.last_x - 1, box.last_y - 1);
   }
 
-  /// Whether a part that is made smaller shows nothing that its pixels could not: at up to 36 places the fourth
-  /// difference of the source over half output pixels, along the axes in which it is made smaller, is below a hundredth
-  /// of the mean. A wave of the output's Nyquist frequency makes four times its amplitude of it, one of a quarter .02
-  /// times.
+  /// Whether a part that is made smaller shows nothing that its pixels could
+  /// not: at up to 36 places the fourth difference of the source over half
+  /// output pixels, along the axes in which it is made smaller, is below a
+  /// hundredth of the mean. A wave of the output's Nyquist frequency makes four
+  /// times its amplitude of it, one of a quarter .02 times.
   bool is_smooth(const Part& part) {
     constexpr int kMostPlaces = 6, kPoints = 5;
     constexpr float kLimit = 4 * 0.01f;
@@ -233,7 +240,8 @@ class TileWorker {
     const PixelBox box = box_around(here, reach_x(shape, reach), reach_y(shape, reach));
     if (!affine(box)) return KernelKind::kNone;
     if (!job_.neighbourhood.is_plain(region, box)) {
-      // Close to a ball's rim, which shows some pixels' worth of the scene along thousands, nothing is left to alias.
+      // Close to a ball's rim, which shows some pixels' worth of the scene
+      // along thousands, nothing is left to alias.
       const bool rim = job_.neighbourhood.ends_at_rim() && lies_well(region, here, 0);
       return rim ? KernelKind::kInterpolated : KernelKind::kNone;
     }
@@ -250,6 +258,31 @@ class TileWorker {
   KernelKind place_kinds_[TilePixels::kCount];
 };
 
+/// One or two channels as three, the last repeated: what is vectors for three
+/// is so for them.
+Image<float> as_three(View<const float> pixels) {
+  Image<float> three(pixels.size(), 3);
+  const int last = pixels.channels() - 1;
+  for_rows(pixels.height(), 16, [&](int first, int end) {
+    for (int y = first; y < end; ++y) {
+      for (int x = 0; x < pixels.width(); ++x) {
+        for (int c = 0; c < 3; ++c) three(x, y, c) = pixels(x, y, std::min(c, last));
+      }
+    }
+  });
+  return three;
+}
+
+Image<float> first_channels(View<const float> three, int channels) {
+  Image<float> some(three.size(), channels);
+  for_rows(three.height(), 16, [&](int first, int end) {
+    for (int y = first; y < end; ++y) {
+      for (int x = 0; x < three.width(); ++x) std::copy_n(three.pixel(x, y), channels, some.pixel(x, y));
+    }
+  });
+  return some;
+}
+
 }  // namespace
 
 Image<float> resample(View<const float> source, const Projection& from, const Projection& to, Size size,
@@ -259,6 +292,9 @@ Image<float> resample(View<const float> source, const Projection& from, const Pr
   require_valid(from);
   require_valid(to);
   require_rotation(source_from_probe);
+  if (source.channels() < 3) {
+    return first_channels(resample(as_three(source), from, to, size, source_from_probe), source.channels());
+  }
   const Job job(source, from, to, size, source_from_probe);
   Image<float> output(size, source.channels());
   for_rows(size.height, Tile::kSide, [&](int first, int last) {

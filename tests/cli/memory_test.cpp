@@ -1,8 +1,5 @@
 // Memory follows the picture's size, not the number of shots.
 #include <gtest/gtest.h>
-#include <spawn.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,27 +7,10 @@
 #include <vector>
 
 #include "tests/cli/fixture.h"
-
-extern char** environ;
+#include "tests/cli/peak_memory.h"
 
 namespace hdr::test {
 namespace {
-
-/// Peak resident memory of the command, MB; expects exit code 0.
-double peak_mb(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words = {HDR_BINARY};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  EXPECT_EQ(posix_spawn(&child, HDR_BINARY, nullptr, nullptr, argv.data(), environ), 0);
-  int status = 0;
-  rusage usage{};
-  EXPECT_EQ(wait4(child, &status, 0, &usage), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
 
 std::string times(int shots) {
   std::string list;

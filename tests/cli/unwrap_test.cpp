@@ -8,6 +8,7 @@
 #include "libhdr/filter/compare.h"
 #include "libhdr/io/read.h"
 #include "tests/cli/fixture.h"
+#include "tests/cli/peak_memory.h"
 
 namespace hdr::test {
 namespace {
@@ -73,6 +74,34 @@ TEST_F(Unwrap, ABlenderLatLongReadAsPlainIsTurnedByAQuarter) {
   answer_of({"unwrap", at("b.exr"), "-o", at("p.exr"), "--from", "lat-long", "--from-convention", "blender", "--width",
              "256", "--type", "float"});
   EXPECT_NEAR(read_map(scratch_ / "p.exr").map.rgb(64, 50, 1), plain.rgb(64, 50, 1), 0.01 * plain.rgb(64, 50, 1));
+}
+
+TEST_F(Unwrap, TwoOppositeFisheyesBecomeOneSphere) {
+  answer_of({"unwrap", world(), "-o", at("f.exr"), "--to", "fisheye", "--fov", "205", "--width", "600"});
+  answer_of({"unwrap", world(), "-o", at("b.exr"), "--to", "fisheye", "--fov", "205", "--width", "600", "--rotate",
+             "0,178,0"});
+  const Json answer = answer_of({"unwrap", at("f.exr"), at("b.exr"), "-o", at("s.exr"), "--width", "256"});
+  ASSERT_EQ(answer["views"].size(), 2u);
+  for (const Json& view : answer["views"]) {
+    for (const char* key : {"from_path", "probe_from_view", "overlap_rms", "gain"}) EXPECT_TRUE(view.contains(key));
+  }
+  // The second view was turned by 178 degrees: its axes in the probe's are turned back.
+  EXPECT_NEAR(answer["views"][1]["probe_from_view"][2].get<double>(), -std::sin(178 * kDegree), 0.01);
+  EXPECT_NEAR(answer["views"][1]["gain"].get<double>(), 1, 0.03);
+  const auto result = compare(read_map(scratch_ / "s.exr").map.rgb, read_map(world()).map.rgb, CompareScale::kNone);
+  EXPECT_LE(result.median_abs_log2, 0.05);
+
+  expect_refusal({"unwrap", at("f.exr"), at("f.exr"), "-o", at("x.exr"), "--from", "fisheye", "--fov", "150"},
+                 {"f.exr", "gap", "--fov"});
+  EXPECT_EQ(run_hdr({"unwrap", world(), world(), "-o", at("x.exr")}).exit_code, 2);
+}
+
+TEST_F(Unwrap, MemoryIsTheTwoPicturesAndLittleMore) {
+  answer_of({"unwrap", world(), "-o", at("in.exr"), "--to", "angular", "--width", "1024"});
+  const double before = peak_mb({"unwrap", at("in.exr"), "-o", at("small.exr"), "--width", "64", "--quiet"});
+  const double peak = peak_mb({"unwrap", at("in.exr"), "-o", at("large.exr"), "--width", "6144", "--quiet"});
+  const double output_mb = 6144.0 * 3072 * 12 / (1 << 20);
+  EXPECT_LE(peak - before, output_mb + 100) << "the output takes " << output_mb << " MB";
 }
 
 TEST_F(Unwrap, WhatCannotBeIsOneLineThatHelps) {
