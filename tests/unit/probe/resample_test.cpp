@@ -181,7 +181,7 @@ TEST(Unwrap, KeepsTheTagsAndNamesTheProjection) {
   EXPECT_EQ(probe.projection, "latlong");
   EXPECT_EQ(probe.white_luminance, 80);
   EXPECT_EQ(probe.size(), (Size{64, 32}));
-  EXPECT_EQ(probe.stddev(30, 16, 2), 0.5f);
+  EXPECT_FLOAT_EQ(probe.stddev(30, 16, 2), 0.5f);
   EXPECT_TRUE(probe.alpha.empty());
 }
 
