@@ -65,13 +65,15 @@ PairMotion measure(const Prepared& a, const Prepared& b, AlignMethod method) {
   if (method == AlignMethod::kEcc) return ecc_shift(a.pyramid, b.pyramid, shifts.front());
   std::vector<Mat3> starts;
   for (const Vec2& shift : shifts) starts.push_back(shift_by(shift));
-  PairMotion motion = refine_motion(a.pyramid, b.pyramid, starts);
-  if (motion.trouble.empty()) return motion;
+  constexpr double kClean = 0.95;  // of the tiles agree: no other motion can do much better
+  const PairMotion motion = refine_motion(a.pyramid, b.pyramid, starts);
+  if (motion.trouble.empty() && motion.inliers > kClean) return motion;
   // A second start, from what has corners: farther away, or turned.
   const PairMotion features = feature_motion(a.pyramid, b.pyramid);
   if (!features.trouble.empty()) return motion;
   const PairMotion second = refine_motion(a.pyramid, b.pyramid, {&features.b_from_a, 1});
-  return second.trouble.empty() ? second : motion;
+  if (!second.trouble.empty()) return motion;
+  return !motion.trouble.empty() || second.inliers > motion.inliers ? second : motion;
 }
 
 /// The shots over the last but one: the motion that its neighbours promise, made better, or a new search.

@@ -6,7 +6,8 @@
 namespace hdr::internal {
 namespace {
 
-constexpr int kTiles = 8, kTileSide = 64;  // 262 144 pixels of a photograph of any size
+constexpr int kTiles = 6, kTileSide = 64;  // 147 456 pixels of a photograph of any size
+constexpr int kNearRadius = 2;             // pixels of the thumbnail: the tiles tell whether what is there is the same
 constexpr int kSamplesASide = 4;           // of each cell of a thumbnail
 constexpr double kBiasPx = 0.03;           // what response, compression and resampling may add to a measured shift
 
@@ -42,7 +43,7 @@ void place_tiles(Linearization& at, Size photo) {
 }  // namespace
 
 std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b) {
-  const std::vector<Vec2> far = search_shifts(a.thumbnail, b.thumbnail, kSearchRadius, 1);
+  const std::vector<Vec2> far = search_shifts(a.thumbnail, b.thumbnail, kNearRadius, 1);
   if (far.empty() || far[0].cwiseAbs().maxCoeff() > 0.5 * a.thumbnail.cell) return std::nullopt;
   if (a.tiles.ln.empty()) return std::nullopt;
   PairMotion near = refine_in_place(a.size, a.tiles, b.tiles, [&](Linearization& at) { place_tiles(at, a.size); });
