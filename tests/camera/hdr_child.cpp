@@ -84,7 +84,7 @@ void HdrChild::send(int signal) const {
 
 CommandResult HdrChild::wait() {
   using namespace std::chrono_literals;
-  const auto patience = std::chrono::steady_clock::now() + 120s;
+  const auto patience = std::chrono::steady_clock::now() + 180s;
   int status = 0;
   while (waitpid(process_, &status, WNOHANG) == 0) {
     std::this_thread::sleep_for(10ms);

@@ -22,7 +22,7 @@ class HdrChild {
   HdrChild& operator=(const HdrChild&) = delete;
 
   void send(int signal) const;
-  /// Waits for its end; exit_code is 128 + signal when it was killed, as it is after two minutes.
+  /// Waits for its end; exit_code is 128 + signal when it was killed, as it is after three minutes.
   CommandResult wait();
   /// From the start to the end that wait() saw, without what loading the libraries may take.
   double seconds() const { return seconds_; }

@@ -50,7 +50,8 @@ class Shoot : public ::testing::TestWithParam<std::string> {
     EXPECT_TRUE(std::ranges::any_of(words, [&](const std::string& word) {
       return result.err.find(word) != std::string::npos;
     })) << result.err;
-    EXPECT_LT(child.seconds(), seconds) << result.err;
+    // A program that is started, not forked, loads for as long as the machine's load makes it.
+    EXPECT_LT(child.seconds(), GetParam() == "v4l2" ? seconds : seconds + 60) << result.err;
     EXPECT_TRUE(std::filesystem::is_empty(scratch_.path())) << "something is left behind";
     std::cout << "  after " << child.seconds() << " s: " << result.err;
   }
