@@ -16,6 +16,8 @@ constexpr int kSide = 160;  ///< the picture is searched at this size: blur is t
 constexpr double kLeastInFrame = 0.6;
 // Of 48 photographs without a ball none has more than .56 of both; balls that fill their frames have .6 to .8.
 constexpr double kLeastProminence = 0.58, kLeastSupport = 0.65;
+// Balls have .93 or more, a chequered room that passes the other two .55.
+constexpr double kLeastAcross = 0.75;
 constexpr double kNear = 1.2;  ///< pixels to both sides of an edge
 
 /// A circle's radii, as far as the picture shows what is just outside.
@@ -35,6 +37,11 @@ class Radii {
   /// How much log radiance changes across the circle of radius r.
   double edge(const Vec2& out, double r) const {
     return std::abs(bilinear(picture_, at(out, r + kNear)) - bilinear(picture_, at(out, r - kNear)));
+  }
+  /// The same along it.
+  double change_along(const Vec2& out, double r) const {
+    const Vec2 middle = at(out, r), along = kNear * Vec2(-out.y(), out.x());
+    return std::abs(bilinear(picture_, middle + along) - bilinear(picture_, middle - along));
   }
 
  private:
@@ -127,6 +134,22 @@ FillingCircle fitted(View<const float> log_picture, Disc circle) {
   return result;
 }
 
+/// The share of the change at the circle's edges that goes across it. An outline has nearly all of it; edges that cross
+/// the circle by chance have half.
+double share_across(View<const float> log_picture, const Disc& circle) {
+  constexpr int kRadii = 180;
+  constexpr double kSlack = 0.03;  // of the radius: blur, and outlines that are no circles
+  const Radii radii(log_picture, circle, kRadii);
+  double across = 0, along = 0;
+  for (const Vec2& out : radii.directions()) {
+    const auto offset = edge_offset(radii, out, circle.r, std::max(1.0, kSlack * circle.r));
+    if (!offset) continue;
+    across += std::pow(radii.edge(out, circle.r + *offset), 2);
+    along += std::pow(radii.change_along(out, circle.r + *offset), 2);
+  }
+  return across > 0 ? across / (across + along) : 0;
+}
+
 }  // namespace
 
 std::optional<FillingCircle> find_filling_circle(View<const float> luminance) {
@@ -145,7 +168,7 @@ std::optional<FillingCircle> find_filling_circle(View<const float> luminance) {
   const Disc rough = most_prominent(log_picture, most);
   if (most < kLeastProminence) return std::nullopt;
   FillingCircle found = fitted(log_picture, rough);
-  if (found.support < kLeastSupport) return std::nullopt;
+  if (found.support < kLeastSupport || share_across(log_picture, found.disc) < kLeastAcross) return std::nullopt;
   const double scale = std::exp2(static_cast<double>(levels.size()));
   found.disc = {scale * found.disc.cx, scale * found.disc.cy, scale * found.disc.r};
   found.residual_px *= scale;
