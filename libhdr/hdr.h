@@ -41,6 +41,7 @@
 #include "libhdr/align/align.h"  // ref_from_photo of every shot
 #include "libhdr/align/warp.h"   // a registered shot as a photograph
 #include "libhdr/merge/deghost.h"  // things that moved between the shots
+#include "libhdr/merge/drift.h"  // light that changed between the shots
 #include "libhdr/merge/merge.h"  // bracket -> radiance map
 
 #include "libhdr/filter/blur.h"     // Gaussian and motion blur, on the plane and on the sphere

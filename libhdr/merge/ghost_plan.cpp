@@ -372,14 +372,14 @@ GhostPlan plan_ghosts(const CellGrid& grid, const MergeModel& model, const std::
   return Planner(grid, model, shots).plan();
 }
 
-GhostPlan plan_ghosts(const Bracket& bracket, const Alignment& alignment, const MergeModel& model,
-                      const std::vector<std::size_t>& shots) {
+GhostPlan plan_ghosts(const Bracket& bracket, const std::vector<double>& exposures, const Alignment& alignment,
+                      const MergeModel& model, const std::vector<std::size_t>& shots) {
   const CellGrid grid = cell_grid(bracket.size());
   std::vector<std::unique_ptr<Source>> sources;
   for (const std::size_t j : shots) {
     const Photo& photo = bracket.shots[j];
-    sources.push_back(std::make_unique<Source>(photo, alignment.frames[j].ref_from_photo, model,
-                                               photo.relative_exposure(), band_height_of(grid)));
+    sources.push_back(
+        std::make_unique<Source>(photo, alignment.frames[j].ref_from_photo, model, exposures[j], band_height_of(grid)));
   }
   std::vector<CellPicture> pictures = cell_pictures(grid, model, sources);
   std::vector<CellShot> cells(shots.size());

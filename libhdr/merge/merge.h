@@ -10,6 +10,7 @@
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/rows.h"
 #include "libhdr/merge/deghost.h"
+#include "libhdr/merge/drift.h"
 #include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/noise.h"
 #include "libhdr/response/response.h"
@@ -29,6 +30,7 @@ struct MergeOptions {
   std::optional<Noise> noise;  ///< absent: estimated from the bracket (response/estimate_noise.h) where it is needed
   std::optional<NoiseEstimate> noise_estimate;  ///< of this bracket, where calibrating made one: saves making it again
   bool deghost = false;                         ///< leaves shots out where things moved (deghost.h)
+  bool drift = false;                           ///< exposures are corrected by the shots' gains (drift.h)
   bool uncertainty = false;                     ///< standard deviation and flags of every pixel
   std::optional<double> exposure_unit;          ///< absent: that of the bracket's middle shot
   std::optional<double> black_level;  ///< code that means no light, subtracted in linear light; absent: the response's
@@ -38,6 +40,7 @@ struct MergeOptions {
 struct MergedFrame {
   bool used = false;
   std::string skipped;  ///< why the shot was left out: "all black", "registered within 3.0 px only"
+  FrameGain gain;       ///< when drift was asked for
 };
 
 /// The unit: radiance 1 gives the middle code at relative exposure `exposure_unit`, that of the bracket's middle shot.

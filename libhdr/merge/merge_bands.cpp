@@ -38,6 +38,14 @@ void check(const Bracket& bracket, const Alignment& alignment, const Response& r
   }
 }
 
+std::vector<FrameGain> gains_of(const Bracket& bracket, const Alignment& alignment, const Response& response,
+                                const MergeOptions& options) {
+  if (!options.drift) return std::vector<FrameGain>(bracket.shots.size());
+  std::vector<bool> left_out;
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) left_out.push_back(!reason_to_leave_out(alignment, j).empty());
+  return estimate_drift(bracket, alignment, response, left_out);
+}
+
 /// What the rows of one task (the k-th of every band) have added up, and its memory.
 struct Worker {
   std::int64_t clipped = 0, dark = 0;
@@ -250,6 +258,11 @@ MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, con
   summary.frames.resize(bracket.shots.size());
   summary.exposure_unit =
       options.exposure_unit.value_or(bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure());
+  const std::vector<FrameGain> gains = gains_of(bracket, alignment, response, options);
+  std::vector<double> exposures;
+  for (std::size_t j = 0; j < gains.size(); ++j) {
+    exposures.push_back(bracket.shots[j].relative_exposure() * gains[j].gain);
+  }
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<std::size_t> shots;  // of the sources
   std::vector<Source*> source_of_shot(bracket.shots.size());
@@ -258,13 +271,13 @@ MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, con
     if (!summary.frames[j].skipped.empty()) continue;
     const Photo& photo = bracket.shots[j];
     sources.push_back(std::make_unique<Source>(photo, alignment.frames[j].ref_from_photo, model,
-                                               photo.relative_exposure() / summary.exposure_unit, kBandHeight));
+                                               exposures[j] / summary.exposure_unit, kBandHeight));
     source_of_shot[j] = sources.back().get();
     shots.push_back(j);
   }
   GhostPlan ghosts;
   if (options.deghost) {
-    ghosts = plan_ghosts(bracket, alignment, *models.likelihood, shots);
+    ghosts = plan_ghosts(bracket, exposures, alignment, *models.likelihood, shots);
     summary.ghosts = ghosts.summary(shots);
   }
   BandMerger merger(model, ghosts, std::move(sources), flat, size);
@@ -281,9 +294,9 @@ MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, con
     summary.frames[j].used = summary.frames[j].skipped.empty();
     any_used = any_used || summary.frames[j].used;
   }
-  if (any_used) return summary;
   // Every shot is black or clipped throughout: the bounds that they give are all there is.
-  for (MergedFrame& frame : summary.frames) frame = {true, ""};
+  for (MergedFrame& frame : summary.frames) frame = any_used ? frame : MergedFrame{true, "", {}};
+  for (std::size_t j = 0; j < gains.size(); ++j) summary.frames[j].gain = gains[j];
   return summary;
 }
 

@@ -120,6 +120,8 @@ void MergeFlags::declare(CLI::App& app) {
   app.add_flag("--uncertainty", uncertainty, "also write each pixel's standard deviation, as layer stddev (EXR)");
   app.add_flag("--deghost", deghost, "where things moved between the shots, the map shows one moment");
   app.add_option("--ghost-mask", ghost_mask, "with --deghost: a picture (.png) of where shots were left out");
+  app.add_flag("--drift", drift,
+               "the light changed from shot to shot (lamps, clouds, uneven shutters): a gain for each, reported");
   app.add_option("--black-level", black_level, "the code that means no light (default: the response's own)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--flat", flat, "a uniform scene as this camera saw it, a radiance map or a photograph; divided out");
@@ -131,6 +133,7 @@ MergeOptions MergeFlags::options() const {
   if (weight == "variance") options.weight = WeightKind::kVariance;
   options.uncertainty = uncertainty;
   options.deghost = deghost;
+  options.drift = drift;
   if (!ghost_mask.empty() && !deghost) {
     throw CLI::ValidationError("--ghost-mask", "shows what --deghost did; add --deghost");
   }

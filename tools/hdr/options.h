@@ -49,7 +49,7 @@ struct MergeFlags {
   std::string flat;
   std::optional<double> black_level;
   bool uncertainty = false;
-  bool deghost = false;
+  bool deghost = false, drift = false;
   std::string ghost_mask;
 
   void declare(CLI::App& app);

@@ -326,6 +326,14 @@ void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged) {
                 {"inliers", aligned.inliers}};
     if (!used.skipped.empty()) row["skipped"] = used.skipped;
     if (!aligned.skipped.empty()) row["registration"] = aligned.skipped;
+    if (inputs.options.drift) {
+      row["gain"] = used.gain.gain;
+      row["gain_deviation"] = used.gain.deviation ? Json(*used.gain.deviation) : Json();
+      if (!used.gain.deviation) row["gain_unknown"] = used.gain.unknown;
+      run.say(fmt::format("{}: gain {:.4f} {}", bracket.shots[shot].path.filename().string(), used.gain.gain,
+                          used.gain.deviation ? fmt::format("+- {:.4f}", *used.gain.deviation)
+                                              : "(not known: " + used.gain.unknown + ")"));
+    }
     frames.push_back(std::move(row));
   }
   run.answer["frames"] = std::move(frames);

@@ -26,8 +26,8 @@ struct GhostPlan {
 /// `shots` in rising order of exposure, their ranges found.
 GhostPlan plan_ghosts(const CellGrid& grid, const MergeModel& model, const std::vector<CellShot>& shots);
 
-/// Looks at the rows of these shots of the bracket, once. `model` is one of maximum likelihood.
-GhostPlan plan_ghosts(const Bracket& bracket, const Alignment& alignment, const MergeModel& model,
-                      const std::vector<std::size_t>& shots);
+/// Looks at the rows of these shots of the bracket, once. `exposures` by shot; `model` is one of maximum likelihood.
+GhostPlan plan_ghosts(const Bracket& bracket, const std::vector<double>& exposures, const Alignment& alignment,
+                      const MergeModel& model, const std::vector<std::size_t>& shots);
 
 }  // namespace hdr::internal
