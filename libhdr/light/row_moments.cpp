@@ -15,14 +15,16 @@ AzimuthTable::AzimuthTable(int width, int degree)
     : width_(width),
       degree_(degree),
       cell_(2 * kPi / width),
-      stride_((width / 4 + kPadding - 1) / kPadding * kPadding),
-      quarter_(static_cast<std::size_t>(2 * degree * stride_), 0.0) {
+      stride_(((width / 4 + 1) / 2 + kPadding - 1) / kPadding * kPadding),
+      eighth_(static_cast<std::size_t>(2 * (degree + 1) * stride_), 0.0) {
   HDR_ASSERT(width > 0 && degree >= 0);
-  for (int m = 1; m <= degree; ++m) {
-    double* cosine = quarter_.data() + 2 * (m - 1) * stride_;
-    for (int x = 0; x < width / 4; ++x) {
-      cosine[x] = chord(m) * std::cos(m * middle(x));
-      cosine[x + stride_] = chord(m) * std::sin(m * middle(x));
+  const int quarter = width / 4;
+  for (int m = 0; m <= degree; ++m) {
+    double* cosine = eighth_.data() + 2 * m * stride_;
+    for (int x = 0; x < (quarter + 1) / 2; ++x) {
+      const double delta = cell_ * (0.5 * quarter - (x + 0.5)), share = 2 * x + 1 == quarter ? 0.5 : 1;
+      cosine[x] = share * chord(m) * std::cos(m * delta);
+      cosine[x + stride_] = share * chord(m) * std::sin(m * delta);
     }
   }
 }
@@ -33,6 +35,7 @@ double AzimuthTable::middle(int x) const {
 
 // The integral of cos(m phi) over a cell is cos at its middle times this.
 double AzimuthTable::chord(int m) const {
+  if (m == 0) return cell_;
   return 2 * std::sin(0.5 * m * cell_) / m;
 }
 

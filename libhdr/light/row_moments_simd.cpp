@@ -1,10 +1,15 @@
-// row_moments on vectors. The four pixels of a row that lie a quarter turn apart see the same |cos m phi|, |sin m phi|:
-// they are added with their signs first (the first step of a fast Fourier transform), and a quarter of the products is
-// left. With azimuths phi - k pi/2, k = 0..3, of pixels a, b, c, d:
-//   m = 0, 4, 8 ...:  a + b + c + d           m = 2, 6 ...:  a - b + c - d
-//   m odd, s = sin(m pi/2):  cosine moment (a - c) cos + s (b - d) sin,  sine moment (a - c) sin - s (b - d) cos
+// row_moments on vectors. The eight pixels of a row whose azimuths are delta and -delta from the middles of the four
+// quarters see the same |cos m delta|, |sin m delta|: they are added with their signs first (the first steps of a fast
+// Fourier transform), and an eighth of the products is left. With pixels a, b, c, d of the four quarters, at azimuths
+// psi + delta - k pi/2, psi = 3 pi/4, and the sums of f(delta) + f(-delta) times cos m delta, f(delta) - f(-delta)
+// times sin m delta:
+//   m = 0, 4, 8 ...:  f = a + b + c + d      m = 2, 6 ...:  f = a - b + c - d
+//   m odd:  f = a - c, and f = b - d a quarter turn behind.
+// These are moments about the middle of the first quarter: they are turned by m psi once a row.
 #include <algorithm>
+#include <cmath>
 
+#include "libhdr/core/sphere.h"
 #include "libhdr/light/internal/row_moments.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -21,49 +26,73 @@ using VD = hn::Vec<D>;
 using F = hn::Rebind<float, D>;
 constexpr D d64;
 constexpr F f32;
-constexpr int kBlock = 128;  // columns of a quarter: what is folded stays in the first cache
+constexpr int kBlock = 128;  // columns of an eighth: what is folded stays in the first cache
 
-// Three channels of a block, folded.
+// f(delta) + f(-delta) and f(delta) - f(-delta), three channels, of a block.
 struct Plane {
-  HWY_ALIGN double c[3][kBlock];
+  HWY_ALIGN double even[3][kBlock];
+  HWY_ALIGN double odd[3][kBlock];
 };
 struct Folded {
   Plane all, alternating, across, aside;
 };
 
-HWY_INLINE void load3(const float* p, VD& r, VD& g, VD& b) {
-  hn::Vec<F> fr, fg, fb;
-  hn::LoadInterleaved3(f32, p, fr, fg, fb);
-  r = hn::PromoteTo(d64, fr);
-  g = hn::PromoteTo(d64, fg);
-  b = hn::PromoteTo(d64, fb);
+// Sums about the middle of a quarter: f times cos m delta, f times sin m delta, per channel.
+struct Turned {
+  double cosine[3] = {}, sine[3] = {};
+};
+
+HWY_INLINE void load3(const float* p, VD v[3]) {
+  hn::Vec<F> r, g, b;
+  hn::LoadInterleaved3(f32, p, r, g, b);
+  v[0] = hn::PromoteTo(d64, r);
+  v[1] = hn::PromoteTo(d64, g);
+  v[2] = hn::PromoteTo(d64, b);
 }
 
-HWY_INLINE void fold_channel(VD a, VD b, VD c, VD d, int channel, int x, Folded& out) {
-  const VD ac = hn::Add(a, c), bd = hn::Add(b, d);
-  hn::Store(hn::Add(ac, bd), d64, out.all.c[channel] + x);
-  hn::Store(hn::Sub(ac, bd), d64, out.alternating.c[channel] + x);
-  hn::Store(hn::Sub(a, c), d64, out.across.c[channel] + x);
-  hn::Store(hn::Sub(b, d), d64, out.aside.c[channel] + x);
+HWY_INLINE void load3_mirrored(const float* p, VD v[3]) {
+  hn::Vec<F> r, g, b;
+  hn::LoadInterleaved3(f32, p, r, g, b);
+  v[0] = hn::PromoteTo(d64, hn::Reverse(f32, r));
+  v[1] = hn::PromoteTo(d64, hn::Reverse(f32, g));
+  v[2] = hn::PromoteTo(d64, hn::Reverse(f32, b));
 }
 
-// `count` columns from p on; what is left of the last vector is filled with black.
-HWY_INLINE void fold(const float* p, std::ptrdiff_t quarter, int count, Folded& out) {
+HWY_INLINE void store(VD near, VD far, int c, int x, Plane& out) {
+  hn::Store(hn::Add(near, far), d64, out.even[c] + x);
+  hn::Store(hn::Sub(near, far), d64, out.odd[c] + x);
+}
+
+// `count` columns from p on and the columns that mirror them, which end at `mirrored`; quarters lie `quarter` columns
+// apart. What is left of the last vector is filled with black.
+HWY_INLINE void fold(const float* p, const float* mirrored, std::ptrdiff_t quarter, int count, bool all_planes,
+                     Folded& out) {
   const int lanes = static_cast<int>(hn::Lanes(d64));
   for (int x = 0; x < count; x += lanes) {
-    HWY_ALIGN float padded[4][3 * 8] = {};
-    const float* from[4];
+    VD near[4][3], far[4][3];
     for (int k = 0; k < 4; ++k) {
-      from[k] = p + 3 * (x + k * quarter);
-      if (x + lanes <= count) continue;
-      std::copy_n(from[k], 3 * (count - x), padded[k]);
-      from[k] = padded[k];
+      const float* from = p + 3 * (x + k * quarter);
+      const float* back = mirrored + 3 * (k * quarter - x - lanes);
+      HWY_ALIGN float padded[2][3 * 8] = {};
+      if (x + lanes > count) {
+        const int left = count - x;
+        std::copy_n(from, 3 * left, padded[0]);
+        std::copy_n(mirrored + 3 * (k * quarter - count), 3 * left, padded[1] + 3 * (lanes - left));
+        from = padded[0];
+        back = padded[1];
+      }
+      load3(from, near[k]);
+      load3_mirrored(back, far[k]);
     }
-    VD r[4], g[4], b[4];
-    for (int k = 0; k < 4; ++k) load3(from[k], r[k], g[k], b[k]);
-    fold_channel(r[0], r[1], r[2], r[3], 0, x, out);
-    fold_channel(g[0], g[1], g[2], g[3], 1, x, out);
-    fold_channel(b[0], b[1], b[2], b[3], 2, x, out);
+    for (int c = 0; c < 3; ++c) {
+      const VD near_ac = hn::Add(near[0][c], near[2][c]), near_bd = hn::Add(near[1][c], near[3][c]);
+      const VD far_ac = hn::Add(far[0][c], far[2][c]), far_bd = hn::Add(far[1][c], far[3][c]);
+      store(hn::Add(near_ac, near_bd), hn::Add(far_ac, far_bd), c, x, out.all);
+      if (!all_planes) continue;
+      store(hn::Sub(near_ac, near_bd), hn::Sub(far_ac, far_bd), c, x, out.alternating);
+      store(hn::Sub(near[0][c], near[2][c]), hn::Sub(far[0][c], far[2][c]), c, x, out.across);
+      store(hn::Sub(near[1][c], near[3][c]), hn::Sub(far[1][c], far[3][c]), c, x, out.aside);
+    }
   }
 }
 
@@ -71,67 +100,55 @@ HWY_INLINE double total_of(VD v) {
   return hn::GetLane(hn::SumOfLanes(d64, v));
 }
 
-HWY_INLINE void add_constant(const Plane& plane, int count, double cell, double* moment) {
-  for (int c = 0; c < 3; ++c) {
-    VD sum = hn::Zero(d64);
-    for (int x = 0; x < count; x += static_cast<int>(hn::Lanes(d64))) sum = hn::Add(sum, hn::Load(d64, plane.c[c] + x));
-    moment[c] += cell * total_of(sum);
-  }
-}
-
-HWY_INLINE void add_even(const Plane& plane, const double* cosine, const double* sine, int count, double* moment) {
+HWY_INLINE void add(const Plane& plane, const double* cosine, const double* sine, int count, Turned& out) {
   VD cos_sum[3] = {hn::Zero(d64), hn::Zero(d64), hn::Zero(d64)}, sin_sum[3] = {cos_sum[0], cos_sum[0], cos_sum[0]};
   for (int x = 0; x < count; x += static_cast<int>(hn::Lanes(d64))) {
     const VD cos_x = hn::LoadU(d64, cosine + x), sin_x = hn::LoadU(d64, sine + x);
     for (int c = 0; c < 3; ++c) {
-      const VD value = hn::Load(d64, plane.c[c] + x);
-      cos_sum[c] = hn::MulAdd(value, cos_x, cos_sum[c]);
-      sin_sum[c] = hn::MulAdd(value, sin_x, sin_sum[c]);
+      cos_sum[c] = hn::MulAdd(hn::Load(d64, plane.even[c] + x), cos_x, cos_sum[c]);
+      sin_sum[c] = hn::MulAdd(hn::Load(d64, plane.odd[c] + x), sin_x, sin_sum[c]);
     }
   }
   for (int c = 0; c < 3; ++c) {
-    moment[c] += total_of(cos_sum[c]);
-    moment[3 + c] += total_of(sin_sum[c]);
+    out.cosine[c] += total_of(cos_sum[c]);
+    out.sine[c] += total_of(sin_sum[c]);
   }
 }
 
-HWY_INLINE void add_odd(const Folded& folded, const double* cosine, const double* sine, double sign, int count,
-                        double* moment) {
-  VD cos_sum[3] = {hn::Zero(d64), hn::Zero(d64), hn::Zero(d64)}, sin_sum[3] = {cos_sum[0], cos_sum[0], cos_sum[0]};
-  const VD s = hn::Set(d64, sign);
-  for (int x = 0; x < count; x += static_cast<int>(hn::Lanes(d64))) {
-    const VD cos_x = hn::LoadU(d64, cosine + x), sin_x = hn::LoadU(d64, sine + x);
-    const VD turned_cos = hn::Mul(s, sin_x), turned_sin = hn::Mul(s, cos_x);
-    for (int c = 0; c < 3; ++c) {
-      const VD across = hn::Load(d64, folded.across.c[c] + x), aside = hn::Load(d64, folded.aside.c[c] + x);
-      cos_sum[c] = hn::MulAdd(aside, turned_cos, hn::MulAdd(across, cos_x, cos_sum[c]));
-      sin_sum[c] = hn::NegMulAdd(aside, turned_sin, hn::MulAdd(across, sin_x, sin_sum[c]));
-    }
-  }
+// cos and sin of m (psi + delta) from those of m delta.
+HWY_INLINE void turn(const Turned& about_middle, double angle, double* moment) {
+  const double cosine = std::cos(angle), sine = std::sin(angle);
   for (int c = 0; c < 3; ++c) {
-    moment[c] += total_of(cos_sum[c]);
-    moment[3 + c] += total_of(sin_sum[c]);
+    moment[c] += cosine * about_middle.cosine[c] - sine * about_middle.sine[c];
+    moment[3 + c] += sine * about_middle.cosine[c] + cosine * about_middle.sine[c];
   }
 }
 
 void RowMoments(View<const float> rows, const AzimuthTable& table, double* moments) {
-  const int quarter = rows.width() / 4;
+  constexpr double kMiddle = 0.75 * kPi;
+  const int quarter = rows.width() / 4, eighth = (quarter + 1) / 2;
   Folded folded;
   std::fill_n(moments, static_cast<std::ptrdiff_t>(rows.height()) * 3 * table.count(), 0.0);
-  for (int x = 0; x < quarter; x += kBlock) {
-    const int count = std::min(kBlock, quarter - x);
+  for (int x = 0; x < eighth; x += kBlock) {
+    const int count = std::min(kBlock, eighth - x);
     for (int y = 0; y < rows.height(); ++y) {
       double* of_row = moments + static_cast<std::ptrdiff_t>(y) * 3 * table.count();
-      fold(rows.pixel(x, y), quarter, count, folded);
-      add_constant(folded.all, count, table.cell(), of_row);
+      fold(rows.pixel(x, y), rows.row(y) + 3 * (quarter - x), quarter, count, table.degree() > 0, folded);
+      Turned constant;
+      add(folded.all, table.cosines(0) + x, table.sines(0) + x, count, constant);
+      for (int c = 0; c < 3; ++c) of_row[c] += constant.cosine[c];
       for (int m = 1; m <= table.degree(); ++m) {
         double* moment = of_row + 3 * (2 * m - 1);
         const double *cosine = table.cosines(m) + x, *sine = table.sines(m) + x;
-        if (m % 2 == 1) {
-          add_odd(folded, cosine, sine, m % 4 == 1 ? 1.0 : -1.0, count, moment);
+        Turned first, behind;
+        if (m % 2 == 0) {
+          add(m % 4 == 0 ? folded.all : folded.alternating, cosine, sine, count, first);
         } else {
-          add_even(m % 4 == 0 ? folded.all : folded.alternating, cosine, sine, count, moment);
+          add(folded.across, cosine, sine, count, first);
+          add(folded.aside, cosine, sine, count, behind);
+          turn(behind, m * (kMiddle - kPi / 2), moment);
         }
+        turn(first, m * kMiddle, moment);
       }
     }
   }

@@ -21,9 +21,10 @@ class AzimuthTable {
   /// width x count: 1, cos phi, sin phi, cos 2phi, ...
   Eigen::MatrixXd whole() const;
 
-  /// cos and sin of m phi over the first quarter of the columns, filled up with zeros to stride(): the other quarters
-  /// are the same but for signs and the swap of cos and sin.
-  const double* cosines(int m) const { return quarter_.data() + 2 * (m - 1) * stride_; }
+  /// cos and sin of m delta, delta the angle from the middle of the first quarter of the columns (azimuth 3 pi / 4),
+  /// over the first half of that quarter, filled up with zeros to stride(): all other columns are the same but for
+  /// signs and turns. Of a column in the very middle, half. m = 0: the cell, and 0.
+  const double* cosines(int m) const { return eighth_.data() + 2 * m * stride_; }
   const double* sines(int m) const { return cosines(m) + stride_; }
   std::ptrdiff_t stride() const { return stride_; }
   double cell() const { return cell_; }
@@ -35,7 +36,7 @@ class AzimuthTable {
   int width_, degree_;
   double cell_;
   std::ptrdiff_t stride_;
-  std::vector<double> quarter_;
+  std::vector<double> eighth_;
 };
 
 /// moments[(row * count + k) * 3 + channel]: the whole map's width, any number of rows.
