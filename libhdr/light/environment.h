@@ -1,6 +1,7 @@
 #pragma once
 // A probe as a light: radiance(dir), sample(u) -> dir, pdf(dir), and invert(dir) -> u, the inverse of sample.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "libhdr/core/image.h"
@@ -41,7 +42,10 @@ class Environment {
     float pdf;  ///< per steradian
   };
 
-  Sample sample(const Vec2& u) const;     ///< u in [0,1)^2
+  Sample sample(const Vec2& u) const;  ///< u in [0,1)^2
+  /// The same samples, many at once: from a map that no cache holds, 1.7 times as fast (8192 wide), as memory is waited
+  /// for together. As many `samples` as `u`.
+  void sample(std::span<const Vec2> u, std::span<Sample> samples) const;
   Sample lookup(const Vec3f& dir) const;  ///< the pixel that a direction meets, and its pdf
   Rgbf radiance(const Vec3f& dir) const { return lookup(dir).radiance; }
   /// Between pixel centres, for what is looked at (backdrops, mirrors); light is computed from the pixels as they are.
@@ -55,6 +59,7 @@ class Environment {
 
  private:
   void weigh(double floor);
+  Sample sample_at(const StepDistribution::Step& row, const BlockDistribution::Place& column) const;
   Sample sample_of(const Vec3f& dir, int x, int y) const;
 
   Image<float> map_;

@@ -1,6 +1,7 @@
 #include "libhdr/light/step_distribution.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "libhdr/core/error.h"
 
@@ -12,7 +13,7 @@ constexpr double kBelowOne = 1 - 0x1p-53;
 }  // namespace
 
 StepDistribution::StepDistribution(std::span<const double> weights)
-    : sums_(weights.size() + 1, 0.0), guide_(weights.size(), 0) {
+    : sums_(weights.size() + 1, 0.0), guide_(std::bit_ceil(4 * weights.size()), 0) {
   HDR_ASSERT(!weights.empty());
   for (std::size_t k = 0; k < weights.size(); ++k) sums_[k + 1] = sums_[k] + weights[k];
   total_ = sums_.back();
@@ -30,9 +31,12 @@ StepDistribution::Step StepDistribution::step_of(double u) const {
   const std::size_t size = guide_.size();
   const auto k = std::min(static_cast<std::size_t>(u * static_cast<double>(size)), size - 1);
   // The first sum above u ends its step: steps of no weight are passed over. It lies between two entries of the guide.
-  const auto first = sums_.begin() + guide_[k] + 1;
-  const auto last = k + 1 < size ? sums_.begin() + guide_[k + 1] + 1 : sums_.end() - 1;
-  const auto above = std::upper_bound(first, last, u);
+  // There are four times as many entries as steps, so that it is mostly the first.
+  auto above = sums_.begin() + guide_[k] + 1;
+  if (*above <= u) {
+    const auto last = k + 1 < size ? sums_.begin() + guide_[k + 1] + 1 : sums_.end() - 1;
+    above = std::upper_bound(above, last, u);
+  }
   const double low = *(above - 1), high = *above;
   const double inside = high > low ? std::clamp((u - low) / (high - low), 0.0, kBelowOne) : 0.5;
   return {static_cast<int>(above - sums_.begin()) - 1, inside};

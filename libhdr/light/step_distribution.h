@@ -6,8 +6,8 @@
 
 namespace hdr {
 
-/// Non-negative weights, sums in double. A guide table tells where to look [Chen74]: a draw costs two or three memory
-/// accesses, however many steps there are.
+/// Non-negative weights, sums in double. A guide table tells where to look [Chen74]: most draws find their step at the
+/// first look, however many steps there are. A larger u never gives an earlier step.
 class StepDistribution {
  public:
   StepDistribution() = default;
@@ -26,7 +26,7 @@ class StepDistribution {
 
  private:
   std::vector<double> sums_;          ///< size + 1, from exactly 0 to exactly 1; all 0 when no step has weight
-  std::vector<std::uint32_t> guide_;  ///< the step that k / size falls into
+  std::vector<std::uint32_t> guide_;  ///< the step that k / size falls into; size is a power of two: u * size is exact
   double total_ = 0;
 };
 

@@ -137,6 +137,40 @@ TEST(Environment, SampleCarriesRadianceAndDensityOfItsPixel) {
   }
 }
 
+TEST(Environment, ManySamplesAtOnceAreTheSamplesOneByOne) {
+  for (const bool black : {false, true}) {
+    const Environment light(black ? constant_map({40, 20}, Rgbf::Zero()) : rough_map({40, 20}, 7));
+    Random random(14, 0);
+    std::vector<Vec2> u(1003);  // no multiple of what is done at once
+    for (Vec2& v : u) v = {random.uniform(), random.uniform()};
+    std::vector<Environment::Sample> samples(u.size());
+    light.sample(u, samples);
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      const Environment::Sample one = light.sample(u[k]);
+      EXPECT_EQ(samples[k].dir, one.dir) << k;
+      EXPECT_EQ(samples[k].pdf, one.pdf) << k;
+      EXPECT_TRUE((samples[k].radiance == one.radiance).all()) << k;
+    }
+  }
+}
+
+// Stratified numbers stay stratified: along either number, samples move one way only.
+TEST(Environment, SamplesMoveOneWayWithTheirNumbers) {
+  const Environment light(rough_map({300, 150}, 11));
+  for (const double fixed : {0.1, 0.45, 0.93}) {
+    double across = -1, down = -1;
+    for (int k = 0; k < 4000; ++k) {
+      const double moving = (k + 0.5) / 4000;
+      const Vec2 right = latlong_from_dir(light.sample({moving, fixed}).dir.cast<double>());
+      const Vec2 below = latlong_from_dir(light.sample({fixed, moving}).dir.cast<double>());
+      EXPECT_GE(right.x(), across - 1e-6) << moving;
+      EXPECT_GE(below.y(), down - 1e-6) << moving;
+      across = right.x();
+      down = below.y();
+    }
+  }
+}
+
 TEST(Environment, InvertUndoesSample) {
   for (const Size size : {Size{1, 1}, Size{2, 1}, Size{9, 4}, Size{64, 32}}) {
     for (const bool black : {false, true}) {
