@@ -100,8 +100,11 @@ Environment Environment::from_probe(const RadianceMap& probe, const Projection& 
 
 Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y) const {
   const float* p = map_.pixel(x, y);
-  const double pdf = black() ? 0.25 / kPi : columns_.weight(x, y) / total_;
-  return {dir, Rgbf(p[0], p[1], p[2]), static_cast<float>(pdf)};
+  return {dir, Rgbf(p[0], p[1], p[2]), pdf_of_pixel(x, y)};
+}
+
+float Environment::pdf_of_pixel(int x, int y) const {
+  return static_cast<float>(black() ? 0.25 / kPi : columns_.weight(x, y) / total_);
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {

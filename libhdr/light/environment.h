@@ -51,6 +51,7 @@ class Environment {
   /// Between pixel centres, for what is looked at (backdrops, mirrors); light is computed from the pixels as they are.
   Rgbf smooth_radiance(const Vec3f& dir) const;
   float pdf(const Vec3f& dir) const { return lookup(dir).pdf; }
+  float pdf_of_pixel(int x, int y) const;
   Vec2 invert(const Vec3f& dir) const;  ///< u with sample(u).dir = dir; where pdf(dir) is 0, the nearest u there is
 
   View<const float> latlong() const { return map_; }

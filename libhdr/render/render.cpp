@@ -3,116 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
-#include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
-#include "libhdr/render/internal/camera_rays.h"
-#include "libhdr/render/internal/integrator.h"
-#include "libhdr/render/internal/points.h"
+#include "libhdr/render/internal/tile_painter.h"
 
 namespace hdr {
-namespace {
-
-struct NamedMethod {
-  const char* name;
-  RenderMethod method;
-};
-constexpr std::array<NamedMethod, 6> kMethods{{{"auto", RenderMethod::kAuto},
-                                               {"mc", RenderMethod::kMc},
-                                               {"importance", RenderMethod::kImportance},
-                                               {"mis", RenderMethod::kMis},
-                                               {"sh", RenderMethod::kSh},
-                                               {"prt", RenderMethod::kPrt}}};
-
-// How a pixel's samples are spent: camera rays, each with its own stratified set of directions. The rays' results are
-// independent, and so their spread is an honest standard error.
-struct Budget {
-  int camera_rays, directions;
-};
-
-// The divisor of `samples` nearest to its square root, from above: at least two camera rays, to have a spread.
-Budget budget_of(int samples) {
-  int rays = std::max(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(samples)))), std::min(samples, 4));
-  while (samples % rays != 0) ++rays;
-  return {rays, samples / rays};
-}
-
-// What a block of rows tells about the picture.
-struct Tally {
-  std::int64_t rays = 0;
-  std::int64_t pixels = 0;       ///< fully covered and lit
-  double relative_variance = 0;  ///< sum over them of (standard error / value)^2
-};
-
-class Painter {
- public:
-  Painter(const Scene& scene, const Environment& light, const RenderOptions& options, RenderMethod method)
-      : options_(options),
-        budget_(budget_of(options.samples)),
-        camera_(scene.camera, options.size),
-        integrator_(scene, light, method, budget_.directions) {
-    if (method == RenderMethod::kPrt) integrator_.relight(options.transfer);
-  }
-
-  const Integrator& integrator() const { return integrator_; }
-
-  void paint(int x, int y, RadianceMap& picture, Tally& tally) const {
-    const auto pixel =
-        static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(options_.size.width) + static_cast<std::uint64_t>(x);
-    Rgb sum = Rgb::Zero();
-    double mean = 0, squares = 0;  // of luminance, by Welford's update
-    int hits = 0;
-    for (int ray = 0; ray < budget_.camera_rays; ++ray) {
-      const Vec2 jitter = sobol_point(static_cast<std::uint32_t>(ray), address(options_.seed, pixel, 0, 0));
-      const Vec3f dir = camera_.dir_from_px({x + jitter.x(), y + jitter.y()});
-      const Integrator::Seen seen = integrator_.seen(
-          camera_.eye(), dir, address(options_.seed, pixel, static_cast<std::uint64_t>(ray), 1), tally.rays);
-      sum += seen.radiance;
-      hits += seen.hit;
-      const double value = luminance(seen.radiance[0], seen.radiance[1], seen.radiance[2]);
-      const double step = value - mean;
-      mean += step / (ray + 1);
-      squares += step * (value - mean);
-    }
-    const Rgb colour = (sum / budget_.camera_rays).min(static_cast<double>(std::numeric_limits<float>::max()));
-    for (int c = 0; c < 3; ++c) picture.rgb(x, y, c) = static_cast<float>(colour[c]);
-    picture.alpha(x, y) = static_cast<float>(hits) / static_cast<float>(budget_.camera_rays);
-    if (hits < budget_.camera_rays || !(mean > 0) || budget_.camera_rays < 2) return;
-    const double variance_of_mean = squares / (budget_.camera_rays - 1) / budget_.camera_rays;
-    tally.relative_variance += variance_of_mean / (mean * mean);
-    ++tally.pixels;
-  }
-
- private:
-  const RenderOptions& options_;
-  Budget budget_;
-  CameraRays camera_;
-  Integrator integrator_;
-};
-
-double error_from(const Tally& tally, int samples) {
-  if (samples < 2) return 1;
-  return tally.pixels > 0 ? std::sqrt(tally.relative_variance / static_cast<double>(tally.pixels)) : 0;
-}
-
-}  // namespace
-
-std::optional<RenderMethod> render_method_from_name(const std::string& name) {
-  for (const NamedMethod& known : kMethods)
-    if (name == known.name) return known.method;
-  return std::nullopt;
-}
-
-const char* name_of(RenderMethod method) {
-  const auto* known = std::find_if(kMethods.begin(), kMethods.end(), [&](auto& m) { return m.method == method; });
-  HDR_ASSERT(known != kMethods.end());
-  return known->name;
-}
-
 namespace {
 
 // Vertices so close that light is linear between them: a hundred or so across the picture.
@@ -132,6 +30,78 @@ Scene with_fine_meshes(const Scene& scene) {
   return fine;
 }
 
+// Passes that together spend `samples` directions a pixel. Two tell the error; more tell it better, but each on its own
+// is less well stratified. Camera rays: some for the edges of things, and few where nothing else is random.
+std::vector<Pass> planned(const RenderOptions& options, bool exact) {
+  const int samples = options.samples;
+  const int passes = samples < 4 ? samples : std::clamp(samples / 32, 4, 8);
+  const int rays_in_all = exact ? std::clamp(samples / 8, std::min(samples, 4), 16) : std::max(passes, 16);
+  std::vector<Pass> plan;
+  for (int k = 0; k < passes; ++k) {
+    const int directions = samples / passes + (k < samples % passes ? 1 : 0);
+    plan.push_back({k, directions, std::clamp(rays_in_all / passes, 1, directions), options.seed});
+  }
+  return plan;
+}
+
+// Bytes of the picture do not depend on who painted which tile.
+std::int64_t paint_pass(TilePainter& painter, const Pass& pass, Film& film,
+                        const std::function<void(double)>& progress) {
+  painter.begin(pass);
+  std::atomic<int> tiles_done = 0;
+  constexpr int kTilesAtOnce = 4;
+  return reduce_rows(
+      painter.tiles(), kTilesAtOnce, std::int64_t{0},
+      [&](int first, int last) {
+        std::int64_t rays = 0;
+        for (int tile = first; tile < last; ++tile) painter.paint(tile, pass, {}, film, rays);
+        const int done = tiles_done += last - first;
+        if (progress) progress(static_cast<double>(done) / painter.tiles());
+        return rays;
+      },
+      [](std::int64_t& total, std::int64_t part) { total += part; });
+}
+
+void develop(const Film& film, Rendering& result) {
+  const Size size = film.size();
+  result.picture.rgb = Image<float>(size, 3);
+  result.picture.alpha = Image<float>(size, 1);
+  result.normal = Image<float>(size, 3);
+  result.variance = Image<float>(size, 1);
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  for_rows(size.height, 16, [&](int first, int last) {
+    for (int y = first; y < last; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const std::size_t pixel = film.index(x, y);
+        const Rgb colour = film.radiance(pixel).min(kLargest);
+        const Vec3f normal = film.normal(pixel);
+        for (int c = 0; c < 3; ++c) {
+          result.picture.rgb(x, y, c) = static_cast<float>(colour[c]);
+          result.normal(x, y, c) = normal[c];
+        }
+        result.picture.alpha(x, y) = film.coverage(pixel);
+        result.variance(x, y) = static_cast<float>(std::clamp(film.variance(pixel), 0.0, kLargest));
+      }
+    }
+  });
+}
+
+double error_of(const Film& film, int samples) {
+  if (samples < 2) return 1;
+  double relative_variance = 0;
+  std::int64_t lit = 0;
+  for (int y = 0; y < film.size().height; ++y) {
+    for (int x = 0; x < film.size().width; ++x) {
+      const std::size_t pixel = film.index(x, y);
+      const double value = film.luminance_of(pixel);
+      if (film.coverage(pixel) < 1 || !(value > 0)) continue;
+      relative_variance += film.variance(pixel) / (value * value);
+      ++lit;
+    }
+  }
+  return lit > 0 ? std::sqrt(relative_variance / static_cast<double>(lit)) : 0;
+}
+
 }  // namespace
 
 Rendering render(const Scene& scene, const Environment& light, const RenderOptions& options) {
@@ -148,29 +118,21 @@ Rendering render(const Scene& scene, const Environment& light, const RenderOptio
   }
   Rendering result;
   result.method = options.method == RenderMethod::kAuto ? RenderMethod::kMis : options.method;
-  result.picture.rgb = Image<float>(size, 3);
-  result.picture.alpha = Image<float>(size, 1);
-  const Painter painter(scene, light, options, result.method);
-  std::atomic<int> rows_done = 0;
-  const Tally tally = reduce_rows(
-      size.height, 1, Tally{},
-      [&](int first, int last) {
-        Tally part;
-        for (int y = first; y < last; ++y)
-          for (int x = 0; x < size.width; ++x) painter.paint(x, y, result.picture, part);
-        const int done = rows_done += last - first;
-        if (options.progress) options.progress(static_cast<double>(done) / size.height);
-        return part;
-      },
-      [](Tally& total, const Tally& part) {
-        total.rays += part.rays;
-        total.pixels += part.pixels;
-        total.relative_variance += part.relative_variance;
-      });
-  result.rays = tally.rays;
+  const Tracer tracer(scene, result.method == RenderMethod::kSh ? Tracer::Effort::kFewRays : Tracer::Effort::kManyRays);
+  const Setting setting{scene, tracer, light, options, tracer.convex()};
+  TilePainter painter(setting, result.method);
+  Film film(size);
+  const std::vector<Pass> passes = planned(options, painter.exact());
+  for (const Pass& pass : passes) {
+    const auto report = [&](double done) {
+      if (options.progress) options.progress((pass.index + done) / static_cast<double>(passes.size()));
+    };
+    result.rays += paint_pass(painter, pass, film, report);
+  }
+  develop(film, result);
   result.samples_per_pixel = options.samples;
-  result.estimated_error = error_from(tally, options.samples);
-  if (painter.integrator().skips_shadow_rays()) {
+  result.estimated_error = error_of(film, options.samples);
+  if (setting.convex && !painter.exact()) {
     result.skipped = "shadow rays: the scene is convex, nothing can occlude; error 0";
   }
   return result;

@@ -13,18 +13,20 @@
 namespace hdr {
 
 /// kMc: cosine-stratified directions, eq. 9 of the lecture with its 1/(N M) and visibility. kImportance: directions
-/// from the probe. kMis: both, weighted by the balance heuristic [Veach95]. kSh: irradiance from nine coefficients, no
-/// shadows, on diffuse materials; other materials as kMis. kPrt: precomputed transfer, shadows included, of harmonics
-/// to degree 4, interpolated between vertices, on diffuse materials; others as kMis. kAuto: kMis. Light reaches a
-/// surface straight from the probe; only mirrors show other objects.
-enum class RenderMethod { kAuto, kMc, kImportance, kMis, kSh, kPrt };
+/// from the probe. kStructured: one direction from each stratum of the probe's light [Agarwal03]. kMis: from the probe
+/// and from the surface, weighted by the balance heuristic [Veach95]. kAo: not light but openness, the share of the
+/// hemisphere that sees the sky, on every material. kSh: irradiance from nine coefficients, no shadows, on diffuse
+/// materials. kPrt: precomputed transfer, shadows included, of harmonics to degree 4, interpolated between vertices, on
+/// diffuse materials. Other materials are lit as by kMis, but under kMc from their own lobes and under kImportance from
+/// the probe alone. kAuto: kMis. Light reaches a surface straight from the probe; only mirrors show other objects.
+enum class RenderMethod { kAuto, kMc, kImportance, kStructured, kMis, kAo, kSh, kPrt };
 std::optional<RenderMethod> render_method_from_name(const std::string& name);
 const char* name_of(RenderMethod method);
 
 struct RenderOptions {
   RenderMethod method = RenderMethod::kAuto;
   Size size{640, 480};
-  int samples = 64;  ///< directions per pixel, shared out over camera rays jittered in the pixel
+  int samples = 64;  ///< directions per pixel, dealt to camera rays jittered in the pixel
   std::uint64_t seed = 1;
   /// Of kPrt, one a mesh, which then needs normals. Empty: computed, on the meshes cut finer (tessellated()).
   std::vector<Transfer> transfer = {};
@@ -32,12 +34,15 @@ struct RenderOptions {
 };
 
 struct Rendering {
-  RadianceMap picture;    ///< rgb with the probe as backdrop where alpha is 0; alpha = coverage
+  RadianceMap picture;  ///< rgb with the probe as backdrop where alpha is 0; alpha = coverage
+  Image<float> normal;  ///< three channels, of the world: mean over the pixel of its surfaces' shading normals
+  Image<float>
+      variance;  ///< one channel, of the pixel's luminance; 0 where it is not known, after fewer than two passes
   RenderMethod method{};  ///< what kAuto became
   std::int64_t rays = 0;
   double samples_per_pixel = 0;
   /// Rms over fully covered, lit pixels of the standard error of luminance divided by its value, from the spread of the
-  /// pixel's independent camera rays. Shadows so deep that no sample met light do not count. One sample a pixel has no
+  /// pixel's independent passes. Shadows so deep that no sample met light do not count. One sample a pixel has no
   /// spread: 1, nothing is known.
   double estimated_error = 0;
   std::string skipped;  ///< what was not needed, why, and the bound on the error; empty: nothing was skipped

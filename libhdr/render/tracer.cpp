@@ -30,6 +30,22 @@ RTCRay ray_from(const Vec3f& origin, const Vec3f& dir) {
   return ray;
 }
 
+void fill_packet(const RayArrays& rays, int first, RTCRay16& packet) {
+  constexpr int kPacket = Tracer::kPacket;
+  std::copy_n(rays.origin_x + first, kPacket, packet.org_x);
+  std::copy_n(rays.origin_y + first, kPacket, packet.org_y);
+  std::copy_n(rays.origin_z + first, kPacket, packet.org_z);
+  std::copy_n(rays.dir_x + first, kPacket, packet.dir_x);
+  std::copy_n(rays.dir_y + first, kPacket, packet.dir_y);
+  std::copy_n(rays.dir_z + first, kPacket, packet.dir_z);
+  std::fill_n(packet.tnear, kPacket, 0.0f);
+  std::fill_n(packet.tfar, kPacket, kFar);
+  std::fill_n(packet.time, kPacket, 0.0f);
+  std::fill_n(packet.mask, kPacket, ~0u);
+  std::fill_n(packet.id, kPacket, 0u);
+  std::fill_n(packet.flags, kPacket, 0u);
+}
+
 struct Triangle {
   std::array<Vec3f, 3> p;
   std::array<Vec3f, 3> n;  ///< zero where the mesh is flat
@@ -71,13 +87,19 @@ Vec3f bent_towards(const Vec3f& viewer, const Vec3f& normal) {
   return (normal + (kHorizon - cosine) * viewer).normalized();
 }
 
-Hit hit_of(const Mesh& mesh, const RTCRayHit& found, const Vec3f& dir) {
-  const Triangle triangle = triangle_of(mesh, found.hit.primID);
-  const std::array<float, 3> weights{1 - found.hit.u - found.hit.v, found.hit.u, found.hit.v};
+// Where Embree found a triangle.
+struct Corner {
+  std::uint32_t triangle, mesh;
+  float u, v;
+};
+
+Hit hit_of(const Mesh& mesh, const Corner& found, const Vec3f& dir) {
+  const Triangle triangle = triangle_of(mesh, found.triangle);
+  const std::array<float, 3> weights{1 - found.u - found.v, found.u, found.v};
   Hit hit;
   hit.material = &mesh.material;
-  hit.mesh = found.hit.geomID;
-  hit.triangle = found.hit.primID;
+  hit.mesh = found.mesh;
+  hit.triangle = found.triangle;
   hit.weights = weights;
   hit.geometric = triangle.geometric().normalized();
   hit.front = hit.geometric.dot(dir) < 0;
@@ -97,9 +119,10 @@ Hit hit_of(const Mesh& mesh, const RTCRayHit& found, const Vec3f& dir) {
 }  // namespace
 
 struct Tracer::Impl {
-  explicit Impl(const Scene& from) : scene(from), device(rtcNewDevice(nullptr)), tree(rtcNewScene(device)) {
+  Impl(const Scene& from, Effort effort) : scene(from), device(rtcNewDevice(nullptr)), tree(rtcNewScene(device)) {
     // Robust: no ray slips between two triangles that share an edge.
     rtcSetSceneFlags(tree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(tree, effort == Effort::kFewRays ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
     for (const Mesh& mesh : scene.meshes) attach(mesh);
     rtcCommitScene(tree);
   }
@@ -129,7 +152,7 @@ struct Tracer::Impl {
   RTCScene tree;
 };
 
-Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+Tracer::Tracer(const Scene& scene, Effort effort) : impl_(std::make_unique<Impl>(scene, effort)) {}
 Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 
@@ -141,7 +164,8 @@ std::optional<Hit> Tracer::intersect(const Vec3f& origin, const Vec3f& dir) cons
   rtcInitIntersectContext(&context);
   rtcIntersect1(impl_->tree, &context, &found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return hit_of(impl_->scene.meshes[found.hit.geomID], found, dir);
+  const Corner corner{found.hit.primID, found.hit.geomID, found.hit.u, found.hit.v};
+  return hit_of(impl_->scene.meshes[corner.mesh], corner, dir);
 }
 
 bool Tracer::occluded(const Vec3f& origin, const Vec3f& dir) const {
@@ -150,6 +174,52 @@ bool Tracer::occluded(const Vec3f& origin, const Vec3f& dir) const {
   rtcInitIntersectContext(&context);
   rtcOccluded1(impl_->tree, &context, &ray);
   return ray.tfar < 0;  // Embree's sign for "something is in the way"
+}
+
+void Tracer::intersect(const RayArrays& rays, std::span<std::optional<Hit>> hits) const {
+  const int count = static_cast<int>(hits.size());
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (int first = 0; first < count; first += kPacket) {
+    RTCRayHit16 packet;
+    alignas(64) std::int32_t valid[kPacket];
+    fill_packet(rays, first, packet.ray);
+    for (int k = 0; k < kPacket; ++k) valid[k] = first + k < count ? -1 : 0;
+    for (int k = 0; k < kPacket; ++k) packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16(valid, impl_->tree, &context, &packet);
+    for (int k = 0; k < std::min(kPacket, count - first); ++k) {
+      std::optional<Hit>& hit = hits[static_cast<std::size_t>(first + k)];
+      hit.reset();
+      if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+      const Vec3f dir(packet.ray.dir_x[k], packet.ray.dir_y[k], packet.ray.dir_z[k]);
+      const Corner corner{packet.hit.primID[k], packet.hit.geomID[k], packet.hit.u[k], packet.hit.v[k]};
+      hit = hit_of(impl_->scene.meshes[corner.mesh], corner, dir);
+    }
+  }
+}
+
+int Tracer::visible(const RayArrays& rays, std::span<std::int32_t> wanted) const {
+  HDR_ASSERT(wanted.size() % kPacket == 0);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  int traced = 0;
+  for (std::size_t first = 0; first < wanted.size(); first += kPacket) {
+    std::int32_t* lanes = wanted.data() + first;
+    int rays_here = 0;
+    for (int k = 0; k < kPacket; ++k) rays_here -= lanes[k];
+    if (rays_here == 0) continue;
+    traced += rays_here;
+    RTCRay16 packet;
+    alignas(64) std::int32_t valid[kPacket];
+    fill_packet(rays, static_cast<int>(first), packet);
+    std::copy_n(lanes, kPacket, valid);
+    rtcOccluded16(valid, impl_->tree, &context, &packet);
+    // Embree's sign for "something is in the way" is a far end of minus infinity.
+    for (int k = 0; k < kPacket; ++k) lanes[k] = packet.tfar[k] < 0 ? 0 : lanes[k];
+  }
+  return traced;
 }
 
 bool Tracer::convex() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "libhdr/core/vec.h"
 #include "libhdr/render/scene.h"
@@ -21,14 +22,32 @@ struct Hit {
   std::array<float, 3> weights{};        ///< of the triangle's corners
 };
 
+/// Rays side by side, for packets: neighbours should look the same way. Directions of any length but 0.
+struct RayArrays {
+  const float *origin_x, *origin_y, *origin_z;
+  const float *dir_x, *dir_y, *dir_z;
+};
+
 class Tracer {
  public:
-  explicit Tracer(const Scene& scene);  ///< builds the hierarchy; `scene` must outlive it
+  /// How long the hierarchy may take to build: a few rays do not repay a good one.
+  enum class Effort { kFewRays, kManyRays };
+
+  explicit Tracer(const Scene& scene, Effort effort = Effort::kManyRays);  ///< `scene` must outlive it
   ~Tracer();
   Tracer(Tracer&&) noexcept;
 
   std::optional<Hit> intersect(const Vec3f& origin, const Vec3f& dir) const;
   bool occluded(const Vec3f& origin, const Vec3f& dir) const;
+
+  static constexpr int kPacket = 16;
+
+  /// The first hits of rays that start together, as many as `hits`; the arrays hold whole packets.
+  void intersect(const RayArrays& rays, std::span<std::optional<Hit>> hits) const;
+
+  /// `wanted` is -1 where a ray is to be traced and 0 elsewhere; it stays -1 where nothing is in the way. Whole
+  /// packets: wanted.size() is a multiple of kPacket. Returns the number of rays traced.
+  int visible(const RayArrays& rays, std::span<std::int32_t> wanted) const;
 
   /// The whole scene lies behind the plane of each of its triangles: no ray that leaves a front meets anything.
   bool convex() const;

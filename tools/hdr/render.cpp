@@ -73,8 +73,8 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
   app.add_option("-o,--output", options->output, "the picture (.exr, RGBA: alpha is coverage)")->required();
   app.add_option("--scene", options->scene,
                  "`sphere` is one sphere alone, a .obj mesh, or a .prt of `hdr prt` (default: spheres on a plane)");
-  app.add_option("--method", options->method, "auto, mc, importance, mis, sh or prt")
-      ->check(CLI::IsMember({"auto", "mc", "importance", "mis", "sh", "prt"}))
+  app.add_option("--method", options->method, "auto, mc, importance, structured, mis, ao, sh or prt")
+      ->check(CLI::IsMember({"auto", "mc", "importance", "structured", "mis", "ao", "sh", "prt"}))
       ->capture_default_str();
   app.add_option("--samples", options->samples, "a pixel")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--size", options->size, "of the picture")->capture_default_str();

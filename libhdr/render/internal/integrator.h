@@ -1,48 +1,84 @@
 #pragma once
-// Light along a ray: what the probe sends to the surface that the ray meets, and from there to the viewer.
-#include <array>
+// One way of gathering the light that reaches surfaces: a file each in integrators/.
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
 
 #include "libhdr/light/environment.h"
-#include "libhdr/render/internal/bsdf.h"
+#include "libhdr/render/internal/surfaces.h"
 #include "libhdr/render/render.h"
-#include "libhdr/render/tracer.h"
 
 namespace hdr {
 
+/// The picture is painted in passes whose estimates are independent: their spread tells the error.
+struct Pass {
+  int index = 0;
+  int directions = 1;   ///< for each pixel, dealt to its camera rays in turn
+  int camera_rays = 1;  ///< of each pixel; not more than directions
+  std::uint64_t seed = 1;
+
+  /// Which camera ray has direction k; over the passes, each has each.
+  int camera_ray_of(int k) const { return (k + index) % camera_rays; }
+};
+
+/// What an integrator works with; all of it outlives the integrator.
+struct Setting {
+  const Scene& scene;
+  const Tracer& tracer;
+  const Environment& light;
+  const RenderOptions& options;
+  bool convex;  ///< of the scene: what leaves a front meets nothing
+};
+
 class Integrator {
  public:
-  /// `method` is none of kAuto. What it is given must outlive it.
-  Integrator(const Scene& scene, const Environment& light, RenderMethod method, int directions);
+  virtual ~Integrator() = default;
 
-  /// Of kPrt, before the first ray: lights the vertices.
-  void relight(const std::vector<Transfer>& transfer);
+  /// Before the tiles of a pass, from one thread: draws what they share.
+  virtual void begin(const Pass& pass) = 0;
 
-  struct Seen {
-    Rgb radiance = Rgb::Zero();
-    bool hit = false;
-  };
-  /// Radiance that arrives along a camera ray, estimated with `directions` directions; `points` addresses their random
-  /// numbers. Adds the rays traced to `rays`.
-  Seen seen(const Vec3f& origin, const Vec3f& dir, std::uint64_t points, std::int64_t& rays) const;
+  /// Adds to `out`, at each diffuse surface, an estimate of what its pixel's mean irradiance is: the camera rays of a
+  /// pixel share the pass's directions, so only their mean has its meaning. Adds the rays traced to `rays`. From any
+  /// thread.
+  virtual void irradiance(const Surfaces& at, const Pass& pass, Light& out, std::int64_t& rays) const = 0;
 
-  /// Nothing occludes anything: no shadow rays were or will be traced.
-  bool skips_shadow_rays() const { return convex_; }
+  /// Irradiance is exact at every surface: a pixel needs no directions, only camera rays for its edges.
+  virtual bool exact() const { return false; }
+  /// What comes out is a share, shown as it is on every material: neither light nor an albedo takes part.
+  virtual bool openness() const { return false; }
+};
+
+/// Keeps in `wanted` the places from which nothing is in the way; `first` is the first of the places that `rays` start
+/// from, in `at`.
+class Visibility {
+ public:
+  Visibility(const Tracer& tracer, bool convex) : tracer_(tracer), convex_(convex) {}
+  void keep(const Surfaces& at, const RayArrays& rays, std::span<std::int32_t> wanted, std::int64_t& traced) const {
+    if (!(convex_ && at.fronts)) traced += tracer_.visible(rays, wanted);
+  }
 
  private:
-  Rgb lit(const Hit& hit, const Vec3f& wo, std::uint64_t points, std::int64_t& rays) const;
-  Rgb smooth_irradiance(const Hit& hit) const;
-  Rgb sampled(const Hit& hit, const Vec3f& wo, std::uint64_t points, std::int64_t& rays) const;
-  bool visible(const Hit& hit, const Vec3f& dir, std::int64_t& rays) const;
-
-  const Scene& scene_;
-  Tracer tracer_;
-  const Environment& light_;
-  RenderMethod method_;
-  int directions_;
+  const Tracer& tracer_;
   bool convex_;
-  std::array<Mat4, 3> irradiance_{};                               ///< of kSh
-  std::vector<Eigen::Matrix<float, Eigen::Dynamic, 3>> vertices_;  ///< of kPrt: irradiance, one matrix a mesh
 };
+
+/// How many of a pass's directions are drawn from the probe, how many from the surface.
+struct ProbeShare {
+  int of_probe, of_surface;
+};
+ProbeShare probe_share(const Pass& pass, double share);
+
+std::unique_ptr<Integrator> make_mc(const Setting& setting);
+std::unique_ptr<Integrator> make_mis(const Setting& setting, double share_of_probe);
+std::unique_ptr<Integrator> make_structured(const Setting& setting);
+/// The same on rectangles, which a pass over the map cuts.
+std::unique_ptr<Integrator> make_rectangles(const Setting& setting);
+std::unique_ptr<Integrator> make_ao(const Setting& setting);
+std::unique_ptr<Integrator> make_sh(const Setting& setting);
+std::unique_ptr<Integrator> make_prt(const Setting& setting);
+
+/// Of `method`, which is none of kAuto.
+std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& setting);
 
 }  // namespace hdr

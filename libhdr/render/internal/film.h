@@ -1,0 +1,49 @@
+#pragma once
+// Sums of a picture's passes, and what they tell of its error.
+#include <cstdint>
+#include <vector>
+
+#include "libhdr/core/image.h"
+#include "libhdr/core/vec.h"
+
+namespace hdr {
+
+/// One pass's estimate of a pixel: a mean over its camera rays.
+struct PixelEstimate {
+  Rgb radiance = Rgb::Zero();
+  Vec3f normal = Vec3f::Zero();
+  float coverage = 0;
+};
+
+class Film {
+ public:
+  explicit Film(Size size);
+
+  /// `weight` is the work behind the estimate: its variance is taken to fall as 1 / weight.
+  void add(std::size_t pixel, const PixelEstimate& estimate, double weight);
+
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
+  }
+  Size size() const { return size_; }
+  Rgb radiance(std::size_t pixel) const;
+  float coverage(std::size_t pixel) const;
+  Vec3f normal(std::size_t pixel) const;  ///< mean of the camera rays' normals; 0 where nothing was met
+  double weight(std::size_t pixel) const { return pixels_[pixel].weight; }
+  /// Of luminance. Of the mean over the passes, from their spread; unknown (nullopt-like: < 0) after fewer than two.
+  double luminance_of(std::size_t pixel) const;
+  double variance(std::size_t pixel) const;
+
+ private:
+  struct Pixel {
+    Rgb radiance = Rgb::Zero();  ///< here and below: sums, weighted
+    Vec3f normal = Vec3f::Zero();
+    double squares = 0;  ///< of luminance
+    double weight = 0, coverage = 0;
+    int passes = 0;
+  };
+  Size size_;
+  std::vector<Pixel> pixels_;
+};
+
+}  // namespace hdr

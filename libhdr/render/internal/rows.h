@@ -1,0 +1,29 @@
+#pragma once
+// One direction for each place of one camera ray of a tile: a row of a pool, its rays, and what they bring.
+#include <cstdint>
+#include <vector>
+
+#include "libhdr/render/internal/direction_pool.h"
+#include "libhdr/render/internal/integrator.h"
+
+namespace hdr {
+
+struct Rays {
+  explicit Rays(int places);
+
+  /// Directions of a row in each surface's own frame -> x, y, z of the world; wanted wherever there is a diffuse
+  /// surface. Here and below, `begin` is where the row's variants for this tile begin in the pool.
+  void turn(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray);
+  /// Directions of a row of the world; wanted where they are above the surface and bring light. `weight` is the cosine.
+  void face(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray);
+  void keep_visible(const Visibility& visibility, const Surfaces& at, int camera_ray, std::int64_t& traced);
+  /// Adds weight times the row's light wherever it is still wanted.
+  void add(const DirectionPool& pool, std::size_t begin, int camera_ray, Light& out) const;
+
+  int places;
+  std::vector<float> x, y, z;
+  std::vector<float> weight;
+  std::vector<std::int32_t> wanted;  ///< -1 or 0
+};
+
+}  // namespace hdr

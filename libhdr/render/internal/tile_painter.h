@@ -1,0 +1,44 @@
+#pragma once
+// A tile of the picture: its camera rays in packets, then the light of all that they met together.
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "libhdr/render/internal/camera_rays.h"
+#include "libhdr/render/internal/film.h"
+#include "libhdr/render/internal/gloss.h"
+#include "libhdr/render/internal/integrator.h"
+
+namespace hdr {
+
+class TilePainter {
+ public:
+  static constexpr int kTile = 8;  ///< pixels along each side: DirectionPool::kVariants in all
+
+  TilePainter(const Setting& setting, RenderMethod method);
+
+  int tiles() const { return across_ * down_; }
+  /// Once a pass, before its tiles.
+  void begin(const Pass& pass);
+  /// Adds an estimate of the pass to those pixels of the tile that are not yet `done` (empty: all); returns how many.
+  /// From any thread.
+  int paint(int tile, const Pass& pass, const std::vector<std::uint8_t>& done, Film& film, std::int64_t& rays) const;
+  bool exact() const { return integrator_->exact() && !has_gloss_; }
+
+ private:
+  struct Workspace;
+  void find_pixels(int tile, const std::vector<std::uint8_t>& done, Workspace& work) const;
+  void trace(const Pass& pass, int camera_ray, Workspace& work, std::int64_t& rays) const;
+  void follow(const Vec3f& dir, int place, std::optional<Hit>& hit, Workspace& work, std::int64_t& rays) const;
+  void collect(const Pass& pass, Workspace& work, Film& film) const;
+
+  const Setting& setting_;
+  Size size_;
+  int across_, down_;
+  CameraRays camera_;
+  std::unique_ptr<Integrator> integrator_;
+  Gloss gloss_;
+  bool has_gloss_;
+};
+
+}  // namespace hdr

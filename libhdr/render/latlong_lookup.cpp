@@ -1,0 +1,49 @@
+#include "libhdr/render/internal/latlong_lookup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hdr {
+namespace {
+
+// Angle of the point (x, y) from the x axis, -pi..pi. [Abramowitz64] 4.4.49: arctan on [0, 1] within 2e-8. Written
+// without a branch, so that a loop of it becomes vector code.
+inline float angle_of(float y, float x) {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float larger = std::max(ax, ay), smaller = std::min(ax, ay);
+  const float a = smaller / std::max(larger, 1e-30f), s = a * a;
+  float p = 0.0028662257f;
+  p = p * s - 0.0161657367f;
+  p = p * s + 0.0429096138f;
+  p = p * s - 0.0752896400f;
+  p = p * s + 0.1065626393f;
+  p = p * s - 0.1420889944f;
+  p = p * s + 0.1999355085f;
+  p = p * s - 0.3333314528f;
+  p = a + a * s * p;
+  constexpr float kHalf = std::numbers::pi_v<float> / 2;
+  p = ay > ax ? kHalf - p : p;
+  p = x < 0 ? 2 * kHalf - p : p;
+  return std::copysign(p, y);
+}
+
+}  // namespace
+
+void latlong_pixels(const float* dir_x, const float* dir_y, const float* dir_z, int count, Size size,
+                    std::int32_t* pixels) {
+  const float columns = static_cast<float>(size.width) / (2 * std::numbers::pi_v<float>);
+  const float rows = static_cast<float>(size.height) / std::numbers::pi_v<float>;
+  const int last_column = size.width - 1, last_row = size.height - 1;
+  for (int k = 0; k < count; ++k) {
+    const float horizontal = std::sqrt(dir_x[k] * dir_x[k] + dir_z[k] * dir_z[k]);
+    // u = 1/2 - azimuth / (2 pi), v = polar / pi, both without the cancellation of an arc cosine.
+    const float u = 0.5f * static_cast<float>(size.width) - columns * angle_of(dir_x[k], dir_z[k]);
+    const float v = rows * angle_of(horizontal, dir_y[k]);
+    const int x = std::clamp(static_cast<int>(u), 0, last_column);
+    const int y = std::clamp(static_cast<int>(v), 0, last_row);
+    pixels[k] = y * size.width + x;
+  }
+}
+
+}  // namespace hdr

@@ -1,0 +1,63 @@
+// Names of methods, and the integrator of each.
+#include <algorithm>
+#include <array>
+
+#include "libhdr/render/internal/integrator.h"
+
+namespace hdr {
+namespace {
+
+struct NamedMethod {
+  const char* name;
+  RenderMethod method;
+};
+constexpr NamedMethod kMethods[] = {
+    {"auto", RenderMethod::kAuto},
+    {"mc", RenderMethod::kMc},
+    {"importance", RenderMethod::kImportance},
+    {"structured", RenderMethod::kStructured},
+    {"mis", RenderMethod::kMis},
+    {"ao", RenderMethod::kAo},
+    {"sh", RenderMethod::kSh},
+    {"prt", RenderMethod::kPrt},
+};
+
+}  // namespace
+
+std::optional<RenderMethod> render_method_from_name(const std::string& name) {
+  for (const NamedMethod& known : kMethods)
+    if (name == known.name) return known.method;
+  return std::nullopt;
+}
+
+const char* name_of(RenderMethod method) {
+  const auto* known =
+      std::find_if(std::begin(kMethods), std::end(kMethods), [&](auto& m) { return m.method == method; });
+  HDR_ASSERT(known != std::end(kMethods));
+  return known->name;
+}
+
+std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& setting) {
+  switch (method) {
+    case RenderMethod::kMc:
+      return make_mc(setting);
+    case RenderMethod::kImportance:
+      return make_mis(setting, 1);
+    case RenderMethod::kStructured:
+      return make_structured(setting);
+    case RenderMethod::kMis:
+      return make_mis(setting, 0.5);
+    case RenderMethod::kAo:
+      return make_ao(setting);
+    case RenderMethod::kSh:
+      return make_sh(setting);
+    case RenderMethod::kPrt:
+      return make_prt(setting);
+    case RenderMethod::kAuto:
+      break;
+  }
+  HDR_ASSERT(!"a method that has been chosen");
+  return nullptr;
+}
+
+}  // namespace hdr
