@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "libhdr/merge/internal/ghost_cells.h"
 
@@ -13,7 +14,7 @@ using internal::CellPicture;
 
 constexpr float kDarkest = 0.02f, kBrightest = 0.8f;  ///< levels of a well-exposed cell
 constexpr std::size_t kFewest = 100;                  ///< cells behind a median
-constexpr double kAlike = 16;                         ///< neighbouring cells err alike: so many count as one
+constexpr int kBlocks = 8;                            ///< a side: cells of one block may err alike, blocks do not
 constexpr double kLeastDeviation = 1e-3;              ///< of a median, ln: no response is better known
 
 /// ln radiance of shot a over that of shot b.
@@ -28,23 +29,47 @@ double median_of(std::vector<double>& values) {
   return *middle;
 }
 
-std::optional<Ratio> ratio_of(std::size_t a, std::size_t b, const std::vector<CellPicture>& pictures, double ln_step) {
+/// Variance of the median of values that err alike within a block: that of its influence, summed by blocks [Hampel74],
+/// as the sandwich of [White80] does for means. The density at the median is that of a normal distribution.
+double variance_of_median(const std::vector<double>& values, const std::vector<std::size_t>& blocks, double median) {
+  std::vector<double> away, pull(kBlocks * kBlocks), touched(kBlocks * kBlocks);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    away.push_back(std::abs(values[k] - median));
+    pull[blocks[k]] += values[k] > median ? 1 : values[k] < median ? -1 : 0;
+    touched[blocks[k]] = 1;
+  }
+  const double deviation = 1.4826 * median_of(away);
+  const double density = 1 / (std::sqrt(2 * std::numbers::pi) * std::max(deviation, 1e-9));
+  double squares = 0, count = 0;
+  for (std::size_t k = 0; k < pull.size(); ++k) {
+    squares += pull[k] * pull[k];
+    count += touched[k];
+  }
+  const double spare = std::max(0.5, (count - 1) / count);
+  return squares / spare / std::pow(2 * density * static_cast<double>(values.size()), 2);
+}
+
+std::optional<Ratio> ratio_of(std::size_t a, std::size_t b, const std::vector<CellPicture>& pictures, Size cells,
+                              double ln_step) {
   const auto well = [](float level) { return level >= kDarkest && level <= kBrightest; };
   std::vector<double> values;
+  std::vector<std::size_t> blocks;
   const CellPicture &p = pictures[a], &q = pictures[b];
-  for (std::size_t cell = 0; cell < p.flags.size(); ++cell) {
-    if (p.flags[cell] | q.flags[cell]) continue;
-    const float level_a = p.level[3 * cell + 1], level_b = q.level[3 * cell + 1];  // green
-    if (well(level_a) && well(level_b)) values.push_back(std::log(level_a / level_b) - ln_step);
+  for (int y = 0; y < cells.height; ++y) {
+    for (int x = 0; x < cells.width; ++x) {
+      const auto cell =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(cells.width) + static_cast<std::size_t>(x);
+      if (p.flags[cell] | q.flags[cell]) continue;
+      const float level_a = p.level[3 * cell + 1], level_b = q.level[3 * cell + 1];  // green
+      if (!well(level_a) || !well(level_b)) continue;
+      values.push_back(std::log(level_a / level_b) - ln_step);
+      blocks.push_back(static_cast<std::size_t>(y * kBlocks / cells.height * kBlocks + x * kBlocks / cells.width));
+    }
   }
   if (values.size() < kFewest) return std::nullopt;
-  Ratio ratio{a, b, median_of(values), 1};
-  for (double& value : values) value = std::abs(value - ratio.ln);
-  constexpr double kOfNormal = 1.4826, kOfMedian = 1.2533;
-  const double deviation =
-      kOfMedian * kOfNormal * median_of(values) / std::sqrt(static_cast<double>(values.size()) / kAlike);
-  ratio.variance = deviation * deviation + kLeastDeviation * kLeastDeviation;
-  return ratio;
+  std::vector<double> sorted = values;
+  const double median = median_of(sorted);
+  return Ratio{a, b, median, variance_of_median(values, blocks, median) + kLeastDeviation * kLeastDeviation};
 }
 
 /// The largest group of shots that are joined by ratios; of equals, the darkest. Rising.
@@ -79,6 +104,11 @@ void solve(const std::vector<std::size_t>& members, const std::vector<Ratio>& ra
   Eigen::MatrixXd basis(n, free + (sloped ? 1 : 0));
   basis.leftCols(free) = q.rightCols(free);
   if (sloped) basis.col(free) = h;
+  struct Tie {
+    Eigen::Index i, j;
+    double ln, variance;
+  };
+  std::vector<Tie> used;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (const Ratio& r : ratios) {
@@ -86,6 +116,7 @@ void solve(const std::vector<std::size_t>& members, const std::vector<Ratio>& ra
     if (a == members.end() || b == members.end()) continue;
     const Eigen::Index i = a - members.begin(), j = b - members.begin();
     const double weight = 1 / r.variance;
+    used.push_back({i, j, r.ln, r.variance});
     normal(i, i) += weight;
     normal(j, j) += weight;
     normal(i, j) -= weight;
@@ -96,9 +127,15 @@ void solve(const std::vector<std::size_t>& members, const std::vector<Ratio>& ra
   const Eigen::MatrixXd covariance =
       (basis.transpose() * normal * basis).ldlt().solve(Eigen::MatrixXd::Identity(basis.cols(), basis.cols()));
   const Eigen::VectorXd found = covariance * (basis.transpose() * right);
+  // Where the ratios contradict each other by more than they claim, all of them know less.
+  const Eigen::VectorXd solved = basis * found;
+  const double spare = static_cast<double>(used.size()) - static_cast<double>(basis.cols());
+  double squares = 0;
+  for (const Tie& t : used) squares += std::pow(t.ln - (solved(t.i) - solved(t.j)), 2) / t.variance;
+  const double widened = spare > 0 ? std::max(1.0, squares / spare) : 1;
   const Eigen::MatrixXd across = basis.leftCols(free);
   const Eigen::VectorXd ln_gain = across * found.head(free);
-  const Eigen::MatrixXd spread = across * covariance.topLeftCorner(free, free) * across.transpose();
+  const Eigen::MatrixXd spread = widened * across * covariance.topLeftCorner(free, free) * across.transpose();
   for (Eigen::Index k = 0; k < n; ++k) {
     gains[members[static_cast<std::size_t>(k)]] = {std::exp(ln_gain(k)), std::sqrt(std::max(0.0, spread(k, k))), ""};
   }
@@ -129,7 +166,8 @@ std::vector<FrameGain> estimate_drift(const Bracket& bracket, const Alignment& a
   std::vector<Ratio> ratios;
   for (std::size_t b = 1; b < shots.size(); ++b) {
     for (std::size_t a = b < 2 ? 0 : b - 2; a < b; ++a) {
-      if (const auto ratio = ratio_of(a, b, pictures, ln_exposure[a] - ln_exposure[b])) ratios.push_back(*ratio);
+      if (const auto ratio = ratio_of(a, b, pictures, grid.cells, ln_exposure[a] - ln_exposure[b]))
+        ratios.push_back(*ratio);
     }
   }
   const std::vector<std::size_t> members = joined(shots.size(), ratios);

@@ -6,9 +6,10 @@
 // something else is left alone: a common factor is the scene's, and a slope of the gains against ln exposure is the
 // response's. So ln gains have mean zero and no slope against ln exposure. That holds among the shots that shared cells
 // join to each other, the largest such group; any other shot, and each of two, has gain 1 and the reason. A shutter off
-// its label changes the light too: what counts is light times time. The deviation is that of the medians [Hampel74]; a
-// response that is not the camera's adds an error of its own (.003 was seen with the right one behind JPEG, .012 with
-// one that was fitted to the drifting shots themselves).
+// its label changes the light too: what counts is light times time. The deviation is that of the medians [Hampel74],
+// block by block, since what errs alike (compression, a response) does so in neighbours, and is widened where the ratios
+// contradict each other. A response that is not the camera's adds an error of its own (.003 was seen with the right one
+// behind JPEG, .012 with one that was fitted to the drifting shots themselves).
 #include <optional>
 #include <string>
 #include <vector>

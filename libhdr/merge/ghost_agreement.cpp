@@ -19,11 +19,6 @@ constexpr std::size_t kSample = 30000;  ///< cells that medians look at, about
 /// Of the pixels of a lossy shot: a block's coefficients are wrong in many of them at once.
 constexpr float kIndependent = 0.25f;
 
-float precision_at(const ChannelModel& channel, float level) {
-  const std::int32_t bin = (std::bit_cast<std::int32_t>(level) >> PrecisionTable::kShift) - PrecisionTable::kFirst;
-  return channel.precision.values[static_cast<std::size_t>(std::clamp(bin, 0, PrecisionTable::kBins - 1))];
-}
-
 float median_of(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -32,11 +27,6 @@ float median_of(std::vector<float>& values) {
 
 float square(float x) {
   return x * x;
-}
-
-float hat_of_level(const ChannelModel& channel, float level) {
-  const std::int32_t bin = (std::bit_cast<std::int32_t>(level) >> PrecisionTable::kShift) - PrecisionTable::kFirst;
-  return channel.hat_of_level[static_cast<std::size_t>(std::clamp(bin, 0, PrecisionTable::kBins - 1))];
 }
 
 int octave_of(float level) {
@@ -86,7 +76,8 @@ PairAgreement::PairAgreement(const CellGrid& grid, const MergeModel& model, cons
 /// Relative deviations of levels, by channel, for what is wrong with codes close to their ends.
 std::array<float, 3> PairAgreement::doubt_at(const std::array<float, 3>& level) const {
   std::array<float, 3> hat, doubt;
-  for (std::size_t c = 0; c < 3; ++c) hat[c] = std::max(kLeastHat, hat_of_level(model_.channel[c], level[c]));
+  for (std::size_t c = 0; c < 3; ++c)
+    hat[c] = std::max(kLeastHat, model_.channel[c].hat_of_level[PrecisionTable::bin_of(level[c])]);
   const float least = std::min({hat[0], hat[1], hat[2]});
   for (std::size_t c = 0; c < 3; ++c) doubt[c] = kRelative / hat[c] + kCrossTalk / least;
   return doubt;
@@ -132,8 +123,7 @@ void PairAgreement::differences(std::size_t cell, Difference* out) const {
     d.value = radiance_a - radiance_b;
     if (clipped_a) d.value = std::max(0.0f, d.value);  // a says: at least this
     if (clipped_b) d.value = std::min(0.0f, d.value);
-    d.noise =
-        (square(per_a) / precision_at(channel, level_a) + square(per_b) / precision_at(channel, level_b)) / pixels_;
+    d.noise = (square(per_a) / channel.precision.at(level_a) + square(per_b) / channel.precision.at(level_b)) / pixels_;
     const float range = std::min(a_.range_of(sample) * per_a, b_.range_of(sample) * per_b);
     // If both show one thing, it is closer to what the less doubtful one says.
     const float trust_a = 1 / square(doubt_a[c]), trust_b = 1 / square(doubt_b[c]);

@@ -128,10 +128,7 @@ class Planner {
     float least = INFINITY;
     for (std::size_t c = 0; c < 3; ++c) {
       const float level = picture.level[3 * cell + c];
-      const PrecisionTable& table = model_.channel[c].precision;
-      const std::int32_t bin = (std::bit_cast<std::int32_t>(level) >> PrecisionTable::kShift) - PrecisionTable::kFirst;
-      const auto at = static_cast<std::size_t>(std::clamp(bin, 0, PrecisionTable::kBins - 1));
-      least = std::min(least, level * level * table.values[at]);
+      least = std::min(least, level * level * model_.channel[c].precision.at(level));
     }
     return least;
   }

@@ -40,6 +40,7 @@ struct MergeOptions {
 struct MergedFrame {
   bool used = false;
   std::string skipped;  ///< why the shot was left out: "all black", "registered within 3.0 px only"
+  std::string limited;  ///< where alone it is used, and why; empty: wherever it says something
   FrameGain gain;       ///< when drift was asked for
 };
 
@@ -68,6 +69,9 @@ struct Merged : MergeSummary {
 ///
 /// The standard deviation is that of the noise model at the merged radiance: rounding, shot and read noise, and for
 /// lossy files what compression adds. Of a pixel that is a bound (PixelFlag) it is the value itself: 100 %.
+///
+/// Shots that are registered within more than a pixel (FrameAlignment::residual_px) would blur what the others show:
+/// longer ones than the reference are left out, shorter ones measure what clips in all others, and only that.
 ///
 /// Throws Error for shots of another depth than the response, exposures that are not positive, and a flat field of
 /// another size or with a value that is not positive.

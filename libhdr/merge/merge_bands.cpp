@@ -1,5 +1,7 @@
 #include "libhdr/merge/internal/merge_bands.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -12,6 +14,7 @@
 #include "libhdr/merge/internal/ghost_plan.h"
 #include "libhdr/merge/internal/merge_row.h"
 #include "libhdr/merge/internal/source.h"
+#include "libhdr/merge/internal/stand_ins.h"
 #include "libhdr/merge/internal/stops.h"
 
 namespace hdr::internal {
@@ -38,12 +41,10 @@ void check(const Bracket& bracket, const Alignment& alignment, const Response& r
   }
 }
 
-std::vector<FrameGain> gains_of(const Bracket& bracket, const Alignment& alignment, const Response& response,
-                                const MergeOptions& options) {
+std::vector<FrameGain> gains_of(const Bracket& bracket, const Alignment& alignment, const std::vector<ShotRole>& roles,
+                                const Response& response, const MergeOptions& options) {
   if (!options.drift) return std::vector<FrameGain>(bracket.shots.size());
-  std::vector<bool> left_out;
-  for (std::size_t j = 0; j < bracket.shots.size(); ++j) left_out.push_back(!reason_to_leave_out(alignment, j).empty());
-  return estimate_drift(bracket, alignment, response, left_out);
+  return estimate_drift(bracket, alignment, response, left_out(roles));
 }
 
 /// What the rows of one task (the k-th of every band) have added up, and its memory.
@@ -58,16 +59,18 @@ struct Worker {
   std::vector<std::array<std::vector<float>, kTaskHeight>> trust;
   std::vector<ShotRow> shots;
   std::vector<std::uint8_t> unmeasured;  ///< of the rows of a task
+  std::vector<std::int64_t> stood_in;    ///< pixels, by stand-in
 };
 
 /// The merge of one bracket, band by band.
 class BandMerger {
  public:
   BandMerger(const MergeModel& model, const GhostPlan& ghosts, std::vector<std::unique_ptr<Source>> sources,
-             const FlatField& flat, Size size)
+             std::vector<std::unique_ptr<Source>> stand_ins, const FlatField& flat, Size size)
       : model_(model),
         ghosts_(ghosts),
         sources_(std::move(sources)),
+        stand_ins_(model, std::move(stand_ins)),
         flat_(flat),
         size_(size),
         workers_((kBandHeight + kTaskHeight - 1) / kTaskHeight),
@@ -76,6 +79,7 @@ class BandMerger {
   void merge(int first, int last, const BandViews& views) {
     for_rows(static_cast<int>(sources_.size()), 1,
              [&](int shot, int) { sources_[static_cast<std::size_t>(shot)]->advance(first / kBandHeight); });
+    stand_ins_.advance(first / kBandHeight);
     for_rows(last - first, kTaskHeight, [&](int from, int to) {
       Worker& worker = workers_[static_cast<std::size_t>(from / kTaskHeight)];
       merge_rows_of_task(first, from, to, views, worker);
@@ -97,9 +101,18 @@ class BandMerger {
     if (tiles.all > 0) summary.skipped_tiles = static_cast<double>(tiles.skipped) / static_cast<double>(tiles.all);
   }
 
+  std::string reason_to_skip(std::size_t source) const { return sources_[source]->reason_to_skip(); }
+  /// Pixels that a stand-in measured or bounded.
+  std::int64_t stood_in(std::size_t k) const {
+    std::int64_t pixels = 0;
+    for (const Worker& worker : workers_) pixels += k < worker.stood_in.size() ? worker.stood_in[k] : 0;
+    return pixels;
+  }
+
  private:
   /// Rows from .. to - 1 of the band that starts with row `first` of the map.
   void merge_rows_of_task(int first, int from, int to, const BandViews& views, Worker& worker) {
+    worker.stood_in.resize(stand_ins_.count());
     worker.unmeasured.resize(3 * static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(to - from));
     if (!ghosts_.empty()) find_trust(first + from, to - from, worker);
     const int step = any_warped_ ? kSegment : size_.width;
@@ -189,10 +202,13 @@ class BandMerger {
         if (stddev) stddev[c] *= gain[c];
       }
       if (!bounded) continue;
-      const ResolvedPixel pixel = resolve_pixel(gather_evidence(x, y, task_row, unmeasured, rgb, gain, worker));
+      std::array<ChannelEvidence, 3> evidence = gather_evidence(x, y, task_row, unmeasured, rgb, gain, worker);
+      std::array<float, 3> deviation{};
+      stand_ins_.testify(x, y, gain, evidence, deviation, worker.stood_in);
+      const ResolvedPixel pixel = resolve_pixel(evidence);
       for (std::size_t c = 0; c < 3; ++c) {
         rgb[c] = pixel.rgb[c];
-        if (stddev && unmeasured[c]) stddev[c] = rgb[c];
+        if (stddev && unmeasured[c]) stddev[c] = evidence[c].measured >= 0 ? deviation[c] : rgb[c];
       }
       worker.clipped += pixel.clipped;
       worker.dark += pixel.dark;
@@ -238,11 +254,55 @@ class BandMerger {
   const MergeModel& model_;
   const GhostPlan& ghosts_;
   std::vector<std::unique_ptr<Source>> sources_;
+  StandIns stand_ins_;
   const FlatField& flat_;
   Size size_;
   std::vector<Worker> workers_;
   bool any_warped_;
 };
+
+/// The shots as their roles have it.
+struct Cast {
+  std::vector<std::unique_ptr<Source>> sources, stand_ins;
+  std::vector<std::size_t> shots, stand_in_shots;  ///< of the bracket
+};
+
+Cast cast_of(const Bracket& bracket, const Alignment& alignment, const std::vector<ShotRole>& roles,
+             const MergeModel& model, const std::vector<double>& exposures, double exposure_unit) {
+  Cast cast;
+  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
+    if (roles[j].use == ShotUse::kNowhere) continue;
+    const bool everywhere = roles[j].use == ShotUse::kEverywhere;
+    (everywhere ? cast.sources : cast.stand_ins)
+        .push_back(std::make_unique<Source>(bracket.shots[j], alignment.frames[j].ref_from_photo, model,
+                                            exposures[j] / exposure_unit, kBandHeight));
+    (everywhere ? cast.shots : cast.stand_in_shots).push_back(j);
+  }
+  return cast;
+}
+
+/// What became of each shot.
+std::vector<MergedFrame> frames_of(const std::vector<ShotRole>& roles, const std::vector<std::string>& reasons_to_skip,
+                                   const std::vector<std::int64_t>& stood_in, const std::vector<FrameGain>& gains) {
+  std::vector<MergedFrame> frames(roles.size());
+  bool any_used = false;
+  for (std::size_t j = 0; j < frames.size(); ++j) {
+    MergedFrame& frame = frames[j];
+    frame.skipped = roles[j].use == ShotUse::kEverywhere ? reasons_to_skip[j] : roles[j].reason;
+    if (roles[j].use == ShotUse::kWhereOthersClip && stood_in[j] > 0) {
+      frame.limited = fmt::format("{}: used for {} pixels that clip in all others", roles[j].reason, stood_in[j]);
+      frame.skipped.clear();
+    }
+    frame.used = frame.skipped.empty();
+    any_used = any_used || frame.used;
+  }
+  // Every shot is black or clipped throughout: the bounds that they give are all there is.
+  for (std::size_t j = 0; j < frames.size(); ++j) {
+    if (!any_used) frames[j] = {true, "", "", {}};
+    frames[j].gain = gains[j];
+  }
+  return frames;
+}
 
 }  // namespace
 
@@ -252,51 +312,34 @@ MergeSummary merge_bands(const Bracket& bracket, const Alignment& alignment, con
   check(bracket, alignment, response);
   const Size size = bracket.size();
   const FlatField flat(options.flat, size);
-  const BracketModels models = models_of(bracket, alignment, response, options);
-  const MergeModel& model = models.merge;
+  const std::vector<ShotRole> roles = roles_of(alignment);
+  const BracketModels models = models_of(bracket, alignment, roles, response, options);
   MergeSummary summary;
-  summary.frames.resize(bracket.shots.size());
   summary.exposure_unit =
       options.exposure_unit.value_or(bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure());
-  const std::vector<FrameGain> gains = gains_of(bracket, alignment, response, options);
+  const std::vector<FrameGain> gains = gains_of(bracket, alignment, roles, response, options);
   std::vector<double> exposures;
   for (std::size_t j = 0; j < gains.size(); ++j) {
     exposures.push_back(bracket.shots[j].relative_exposure() * gains[j].gain);
   }
-  std::vector<std::unique_ptr<Source>> sources;
-  std::vector<std::size_t> shots;  // of the sources
-  std::vector<Source*> source_of_shot(bracket.shots.size());
-  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-    summary.frames[j].skipped = reason_to_leave_out(alignment, j);
-    if (!summary.frames[j].skipped.empty()) continue;
-    const Photo& photo = bracket.shots[j];
-    sources.push_back(std::make_unique<Source>(photo, alignment.frames[j].ref_from_photo, model,
-                                               exposures[j] / summary.exposure_unit, kBandHeight));
-    source_of_shot[j] = sources.back().get();
-    shots.push_back(j);
-  }
+  Cast cast = cast_of(bracket, alignment, roles, models.merge, exposures, summary.exposure_unit);
   GhostPlan ghosts;
   if (options.deghost) {
-    ghosts = plan_ghosts(bracket, exposures, alignment, *models.likelihood, shots);
-    summary.ghosts = ghosts.summary(shots);
+    ghosts = plan_ghosts(bracket, exposures, alignment, *models.likelihood, cast.shots);
+    summary.ghosts = ghosts.summary(cast.shots);
   }
-  BandMerger merger(model, ghosts, std::move(sources), flat, size);
+  BandMerger merger(models.merge, ghosts, std::move(cast.sources), std::move(cast.stand_ins), flat, size);
   for (int first = 0; first < size.height; first += kBandHeight) {
     const int last = std::min(size.height, first + kBandHeight);
     merger.merge(first, last, views(first, last));
     done(first, last);
   }
   merger.summarize(summary);
-  bool any_used = false;
-  for (std::size_t j = 0; j < bracket.shots.size(); ++j) {
-    if (source_of_shot[j] == nullptr) continue;
-    summary.frames[j].skipped = source_of_shot[j]->reason_to_skip();
-    summary.frames[j].used = summary.frames[j].skipped.empty();
-    any_used = any_used || summary.frames[j].used;
-  }
-  // Every shot is black or clipped throughout: the bounds that they give are all there is.
-  for (MergedFrame& frame : summary.frames) frame = any_used ? frame : MergedFrame{true, "", {}};
-  for (std::size_t j = 0; j < gains.size(); ++j) summary.frames[j].gain = gains[j];
+  std::vector<std::string> reasons_to_skip(roles.size());
+  std::vector<std::int64_t> stood_in(roles.size());
+  for (std::size_t k = 0; k < cast.shots.size(); ++k) reasons_to_skip[cast.shots[k]] = merger.reason_to_skip(k);
+  for (std::size_t k = 0; k < cast.stand_in_shots.size(); ++k) stood_in[cast.stand_in_shots[k]] = merger.stood_in(k);
+  summary.frames = frames_of(roles, reasons_to_skip, stood_in, gains);
   return summary;
 }
 

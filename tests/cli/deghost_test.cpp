@@ -37,6 +37,12 @@ TEST_F(DeghostCommand, SaysWhereAndWritesTheMask) {
     for (int x = 0; x < mask.width(); ++x) touched += codes(x, y, 1) > 0;
   }
   EXPECT_NEAR(touched / (mask.width() * mask.height()), ghosts["share"].get<double>(), 1e-6);
+  answer_of(
+      {"merge", at("moving"), "-o", at("map.exr"), "--response", "srgb", "--deghost", "--ghost-mask", at("mask.exr")});
+  const Image<float> shares = read_map(at("mask.exr")).map.rgb;
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) ASSERT_NEAR(shares(x, y, 0), codes(x, y, 1) / 255.0, 1e-3);
+  }
 }
 
 TEST_F(DeghostCommand, LeavesWhatIsStillAsItIs) {

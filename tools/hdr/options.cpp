@@ -119,7 +119,7 @@ void MergeFlags::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_flag("--uncertainty", uncertainty, "also write each pixel's standard deviation, as layer stddev (EXR)");
   app.add_flag("--deghost", deghost, "where things moved between the shots, the map shows one moment");
-  app.add_option("--ghost-mask", ghost_mask, "with --deghost: a picture (.png) of where shots were left out");
+  app.add_option("--ghost-mask", ghost_mask, "with --deghost: a picture (.png, .exr) of where shots were left out");
   app.add_flag("--drift", drift,
                "the light changed from shot to shot (lamps, clouds, uneven shutters): a gain for each, reported");
   app.add_option("--black-level", black_level, "the code that means no light (default: the response's own)")

@@ -41,8 +41,9 @@ class TimedSink final : public MapSink {
 
 void tell_skipped(Run& run, const Bracket& bracket, const Merged& merged) {
   for (std::size_t k = 0; k < merged.frames.size(); ++k) {
-    if (merged.frames[k].used) continue;
-    run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + merged.frames[k].skipped + ")");
+    const MergedFrame& frame = merged.frames[k];
+    const std::string& why = frame.used ? frame.limited : frame.skipped;
+    if (!why.empty()) run.clock.skipped(bracket.shots[k].path.filename().string() + " (" + why + ")");
   }
   if (merged.skipped_tiles > 0) {
     run.clock.skipped(
@@ -54,6 +55,15 @@ void tell_skipped(Run& run, const Bracket& bracket, const Merged& merged) {
 void write_ghost_mask(const MergeInputs& inputs, const MergeSummary& merged) {
   if (inputs.ghost_mask.empty()) return;
   const View<const std::uint8_t> mask = merged.ghosts.mask;
+  if (Path(inputs.ghost_mask).extension() == ".exr") {  // to be read beside the map: 1 where a shot is left out
+    RadianceMap map;
+    map.rgb = Image<float>(inputs.bracket.size(), 3);
+    for (int y = 0; y < mask.height(); ++y) {
+      for (int x = 0; x < mask.width(); ++x) std::fill_n(map.rgb.pixel(x, y), 3, static_cast<float>(mask(x, y)) / 255);
+    }
+    write_map(inputs.ghost_mask, map);
+    return;
+  }
   Image<std::uint8_t> picture(inputs.bracket.size(), 3);
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) std::fill_n(picture.pixel(x, y), 3, mask(x, y));
@@ -325,6 +335,7 @@ void answer_merge(Run& run, const MergeInputs& inputs, const Merged& merged) {
                 {"residual_px", aligned.residual_px},
                 {"inliers", aligned.inliers}};
     if (!used.skipped.empty()) row["skipped"] = used.skipped;
+    if (!used.limited.empty()) row["limited"] = used.limited;
     if (!aligned.skipped.empty()) row["registration"] = aligned.skipped;
     if (inputs.options.drift) {
       row["gain"] = used.gain.gain;

@@ -1,7 +1,9 @@
 #pragma once
 // What the kernels know of the camera: tables by code, and by level for the variance. Levels are light as a share of
 // what saturates the channel: 1 is the light of the largest code.
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -16,6 +18,12 @@ struct PrecisionTable {
   static constexpr std::int32_t kFirst = (127 - 27) << (23 - kShift);  ///< bin of 2^-27
   static constexpr std::int32_t kBins = 28 << (23 - kShift);
   std::vector<float> values;
+
+  static std::size_t bin_of(float level) {
+    const std::int32_t bin = (std::bit_cast<std::int32_t>(level) >> kShift) - kFirst;
+    return static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1));
+  }
+  float at(float level) const { return values[bin_of(level)]; }
 };
 
 /// Normal distribution cut off at a bound, z deviations inside of it [Tobin58]: what an observation tells of the mean,

@@ -80,7 +80,8 @@ TEST(Drift, GainsComeBackWithinTheirDeviation) {
     measured += static_cast<double>(known.size());
     shots += static_cast<double>(gains.size());
   }
-  EXPECT_LT(std::sqrt(squares / measured), 2.5) << "errors in units of the deviation that was said";
+  EXPECT_LT(std::sqrt(squares / measured), 1.5) << "errors in units of the deviation that was said";
+  EXPECT_GT(std::sqrt(squares / measured), 0.3) << "nor is more doubt said than there is";
   EXPECT_GE(measured / shots, 0.9) << "shots that were measured";
 }
 
