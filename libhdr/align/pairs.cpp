@@ -1,6 +1,7 @@
 #include "libhdr/align/internal/pairs.h"
 
 #include <algorithm>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -65,15 +66,23 @@ PairMotion measure(const Prepared& a, const Prepared& b, AlignMethod method) {
   if (method == AlignMethod::kEcc) return ecc_shift(a.pyramid, b.pyramid, shifts.front());
   std::vector<Mat3> starts;
   for (const Vec2& shift : shifts) starts.push_back(shift_by(shift));
-  constexpr double kClean = 0.95;  // of the tiles agree: no other motion can do much better
-  const PairMotion motion = refine_motion(a.pyramid, b.pyramid, starts);
-  if (motion.trouble.empty() && motion.inliers > kClean) return motion;
-  // A second start, from what has corners: farther away, or turned.
+  // Of the tiles so many agree: no other motion can do much better.
+  const auto clean = [](const PairMotion& motion) { return motion.trouble.empty() && motion.inliers > kClean; };
+  PairMotion best = refine_motion(a.pyramid, b.pyramid, starts);
+  if (clean(best)) return best;
+  const auto compete = [&](std::span<const Mat3> from) {
+    PairMotion rival = refine_motion(a.pyramid, b.pyramid, from);
+    if (!rival.trouble.empty()) return;
+    if (!best.trouble.empty() || rival.inliers > best.inliers) best = std::move(rival);
+  };
+  // Other starts: turned, where a few usable pixels let a turn pass for a shift; and from what has corners, far away.
+  constexpr std::size_t kMostTurns = 3;
+  const std::vector<Mat3> turns = search_turns(a.thumbnail, b.thumbnail, a.pyramid.size, kSearchRadius, kMostTurns);
+  if (!turns.empty()) compete(turns);
+  if (clean(best)) return best;
   const PairMotion features = feature_motion(a.pyramid, b.pyramid);
-  if (!features.trouble.empty()) return motion;
-  const PairMotion second = refine_motion(a.pyramid, b.pyramid, {&features.b_from_a, 1});
-  if (!second.trouble.empty()) return motion;
-  return !motion.trouble.empty() || second.inliers > motion.inliers ? second : motion;
+  if (features.trouble.empty()) compete({&features.b_from_a, 1});
+  return best;
 }
 
 /// The shots over the last but one: the motion that its neighbours promise, made better, or a new search.

@@ -272,6 +272,15 @@ PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat
   if (coarse > 0) {
     best.motion = best.stepped(frame);
     iterate_models(frame, a.levels[0], b.levels[0], best, 6);
+    // Coarse tiles forgive some pixels, where few are usable: then the finest detail must agree as well.
+    if (best.enough && inliers < kClean) {
+      const std::optional<double> fine = agreement(a.levels[0], b.levels[0], best.stepped(frame));
+      inliers = std::min(inliers, fine.value_or(inliers));
+      if (inliers < kLeastInliers) {
+        return failed(fmt::format("only {:.0f} % of their fine detail agrees on one motion", 100 * inliers), inliers,
+                      searched_px(a.size));
+      }
+    }
   }
   if (const double period = best.enough ? equal_rival(a, b, best) : 0; period > 0) {
     return failed(fmt::format("its pattern repeats every {:.1f} px, and another match is as good", period), inliers,

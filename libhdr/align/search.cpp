@@ -1,6 +1,7 @@
 // A first shift that needs no start: every whole shift of two small pictures is tried.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "libhdr/align/internal/pair.h"
@@ -109,32 +110,76 @@ class ShiftTable {
   int most_ = 0;
 };
 
-}  // namespace
+struct Peak {
+  double significance;
+  Vec2 shift;  ///< photograph pixels
+};
 
-std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most) {
+/// The best first.
+std::vector<Peak> peaks_of(const LogPicture& a, const LogPicture& b, int radius, std::size_t most) {
   constexpr int kDetail = 4;
   const ShiftTable table(detail_of(a, kDetail), detail_of(b, kDetail), radius);
-  struct Peak {
-    double significance;
-    int dx, dy;
-  };
   std::vector<Peak> peaks;
   for (int dy = -radius; dy <= radius; ++dy) {
     for (int dx = -radius; dx <= radius; ++dx) {
-      if (table.is_peak(dx, dy)) peaks.push_back({table.significance(dx, dy), dx, dy});
+      if (!table.is_peak(dx, dy)) continue;
+      const auto at = [&](int x, int y) { return table.significance(dx + x, dy + y); };
+      const Vec2 top(parabola_top(at(-1, 0), at(0, 0), at(1, 0)), parabola_top(at(0, -1), at(0, 0), at(0, 1)));
+      peaks.push_back({at(0, 0), (Vec2(dx, dy) + top) * a.cell});
     }
   }
   std::stable_sort(peaks.begin(), peaks.end(),
                    [](const Peak& p, const Peak& q) { return p.significance > q.significance; });
   peaks.resize(std::min(peaks.size(), most));
-  std::vector<Vec2> shifts;
-  for (const Peak& p : peaks) {
-    const auto at = [&](int x, int y) { return table.significance(p.dx + x, p.dy + y); };
-    const Vec2 top(parabola_top(at(-1, 0), p.significance, at(1, 0)),
-                   parabola_top(at(0, -1), p.significance, at(0, 1)));
-    shifts.emplace_back((Vec2(p.dx, p.dy) + top) * a.cell);
+  return peaks;
+}
+
+/// What `picture` shows at turn(x), by the nearest pixel: it is only to be recognised.
+LogPicture seen_through(const LogPicture& picture, const Mat3& turn) {
+  const int width = picture.ln.width(), height = picture.ln.height();
+  LogPicture out{Image<float>(width, height, 1), Image<float>(width, height, 1), picture.cell};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Vec2 p = moved(turn, Vec2(x, y));
+      const auto u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
+      const bool inside = u >= 0 && v >= 0 && u < width && v < height;
+      out.ln(x, y) = inside ? picture.ln(u, v) : 0;
+      out.variance(x, y) = inside ? picture.variance(u, v) : kUnusable;
+    }
   }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most) {
+  std::vector<Vec2> shifts;
+  for (const Peak& peak : peaks_of(a, b, radius, most)) shifts.push_back(peak.shift);
   return shifts;
+}
+
+std::vector<Mat3> search_turns(const LogPicture& a, const LogPicture& b, Size photo, int radius, std::size_t most) {
+  constexpr int kMost = 5;  // degrees each way, in steps of one: what is left is for the refinement
+  const MotionFrame frame(photo);
+  struct Turned {
+    double significance;
+    Mat3 motion;
+  };
+  std::vector<Turned> found;
+  for (int degrees = -kMost; degrees <= kMost; ++degrees) {
+    if (degrees == 0) continue;
+    MotionVector small = MotionVector::Zero();
+    small[2] = degrees * std::numbers::pi / 180 * frame.radius;
+    const Mat3 turn = frame.motion(small);
+    for (const Peak& peak : peaks_of(a, seen_through(b, motion_of_cells(turn, b.cell)), radius, 1)) {
+      found.push_back({peak.significance, turn * shift_by(peak.shift)});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Turned& p, const Turned& q) { return p.significance > q.significance; });
+  std::vector<Mat3> motions;
+  for (std::size_t k = 0; k < std::min(found.size(), most); ++k) motions.push_back(found[k].motion);
+  return motions;
 }
 
 std::vector<Vec2> repeats(const Pyramid& picture, const Vec2& middle) {

@@ -8,19 +8,19 @@ namespace {
 
 constexpr int kTiles = 6, kTileSide = 64;  // 147 456 pixels of a photograph of any size
 constexpr int kNearRadius = 2;             // pixels of the thumbnail: the tiles tell whether what is there is the same
-constexpr int kSamplesASide = 4;           // of each cell of a thumbnail
+constexpr int kSamplesASide = 2;           // of each cell of a thumbnail: does it lie where it was, or far away?
 constexpr double kBiasPx = 0.03;           // what response, compression and resampling may add to a measured shift
 
 }  // namespace
 
-LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer) {
+LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer, int samples_a_side) {
   int cell = 1;
   while (std::max(photo.width(), photo.height()) / cell > 191) cell *= 2;
-  return log_picture(photo, linearizer, cell, std::max(1, cell / kSamplesASide));
+  return log_picture(photo, linearizer, cell, std::max(1, cell / samples_a_side));
 }
 
 StillProbe still_probe(const Photo& photo, const Linearizer& linearizer) {
-  StillProbe probe{photo.size(), thumbnail(photo, linearizer), {}};
+  StillProbe probe{photo.size(), thumbnail(photo, linearizer, kSamplesASide), {}};
   if (std::min(photo.width(), photo.height()) >= kTileSide) {
     probe.tiles = smoothed(tile_picture(photo, linearizer, 1, kTiles, kTileSide), 2);
   }

@@ -22,6 +22,9 @@ struct Measurement {
   MotionMatrix covariance = MotionMatrix::Zero();
 };
 
+/// Share of the agreeing tiles from which a match is not doubted.
+inline constexpr double kClean = 0.95;
+
 struct PairMotion {
   Mat3 b_from_a = Mat3::Identity();
   MotionModel model = MotionModel::kTranslation;    ///< of b_from_a
@@ -62,6 +65,10 @@ struct Pyramid {
 /// search.cpp: the shifts (in photograph pixels) at which two small pictures correlate best, the best first, every
 /// whole shift within `radius` of their pixels tried. Empty: too little in common.
 std::vector<Vec2> search_shifts(const LogPicture& a, const LogPicture& b, int radius, std::size_t most);
+
+/// search.cpp: the same for turns of some degrees about the middle of a photograph of this size, with a shift each: a
+/// few usable pixels hide a turn from a refinement that starts without one, or let it pass for a shift.
+std::vector<Mat3> search_turns(const LogPicture& a, const LogPicture& b, Size photo, int radius, std::size_t most);
 
 /// search.cpp: shifts (photograph pixels) by which the picture around `middle` looks like itself, at any scale: a
 /// pattern that repeats. Of two opposite ones one.

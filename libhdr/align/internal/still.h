@@ -7,8 +7,9 @@
 
 namespace hdr::internal {
 
-/// A small picture for a search that needs no start: at most 191 pixels on its longer side.
-LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer);
+/// A small picture for a search that needs no start: at most 191 pixels on its longer side, each from this many pixels
+/// of the photograph along each side.
+LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer, int samples_a_side = 4);
 inline constexpr int kSearchRadius = 10;  ///< pixels of the thumbnail: 5 to 10 % of the picture
 
 /// The motion of a pair that seems to lie still: its thumbnails correlate best unmoved, and tiles at full resolution
