@@ -19,12 +19,17 @@ AzimuthTable::AzimuthTable(int width, int degree)
       eighth_(static_cast<std::size_t>(2 * (degree + 1) * stride_), 0.0) {
   HDR_ASSERT(width > 0 && degree >= 0);
   const int quarter = width / 4;
-  for (int m = 0; m <= degree; ++m) {
-    double* cosine = eighth_.data() + 2 * m * stride_;
-    for (int x = 0; x < (quarter + 1) / 2; ++x) {
-      const double delta = cell_ * (0.5 * quarter - (x + 0.5)), share = 2 * x + 1 == quarter ? 0.5 : 1;
-      cosine[x] = share * chord(m) * std::cos(m * delta);
-      cosine[x + stride_] = share * chord(m) * std::sin(m * delta);
+  std::vector<double> chords;
+  for (int m = 0; m <= degree; ++m) chords.push_back(chord(m));
+  for (int x = 0; x < (quarter + 1) / 2; ++x) {
+    const double delta = cell_ * (0.5 * quarter - (x + 0.5)), share = 2 * x + 1 == quarter ? 0.5 : 1;
+    const Vec2 one(std::cos(delta), std::sin(delta));
+    Vec2 wave(share, 0);  // cos and sin of m delta
+    for (int m = 0; m <= degree; ++m) {
+      double* cosine = eighth_.data() + 2 * m * stride_ + x;
+      cosine[0] = chords[static_cast<std::size_t>(m)] * wave.x();
+      cosine[stride_] = chords[static_cast<std::size_t>(m)] * wave.y();
+      wave = {wave.x() * one.x() - wave.y() * one.y(), wave.x() * one.y() + wave.y() * one.x()};
     }
   }
 }

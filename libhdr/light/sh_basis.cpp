@@ -1,28 +1,25 @@
 #include <cmath>
 
 #include "libhdr/core/sphere.h"
+#include "libhdr/light/internal/sh_recurrence.h"
 #include "libhdr/light/sh.h"
 
 namespace hdr {
-namespace {
-
-// P_l+1 = a (z P_l - b P_l-1) for functions of unit norm, and from one diagonal P_mm to the next.
-struct Recurrence {
-  double a[kMaxShDegree + 1][kMaxShDegree + 1], b[kMaxShDegree + 1][kMaxShDegree + 1], diagonal[kMaxShDegree + 1];
-
-  Recurrence() {
-    for (int m = 0; m <= kMaxShDegree; ++m) {
-      diagonal[m] = std::sqrt((2 * m + 3.0) / (2 * m + 2.0));
-      for (int l = m; l <= kMaxShDegree; ++l) {
-        const double next = l + 1;
-        a[m][l] = std::sqrt((4 * next * next - 1) / (next * next - m * m));
-        b[m][l] = l > m ? std::sqrt((1.0 * l * l - m * m) / (4.0 * l * l - 1)) : 0;
-      }
+ShRecurrence::ShRecurrence() {
+  for (int m = 0; m <= kMaxShDegree; ++m) {
+    diagonal[m] = std::sqrt((2 * m + 3.0) / (2 * m + 2.0));
+    for (int l = m; l <= kMaxShDegree; ++l) {
+      const double next = l + 1;
+      a[m][l] = std::sqrt((4 * next * next - 1) / (next * next - m * m));
+      b[m][l] = l > m ? std::sqrt((1.0 * l * l - m * m) / (4.0 * l * l - 1)) : 0;
     }
   }
-};
+}
 
-}  // namespace
+const ShRecurrence& ShRecurrence::get() {
+  static const ShRecurrence recurrence;
+  return recurrence;
+}
 
 // Y_lm = K_lm P_lm(cos theta) {sqrt2 cos(m phi), 1, sqrt2 sin(|m| phi)}. The factor sin^m(theta) of P_lm is moved to
 // the azimuth, where it makes the polynomials Re and Im (x + iy)^m: no trigonometry, and nothing to divide by at the
@@ -30,7 +27,7 @@ struct Recurrence {
 // at any degree [Sloan13].
 void sh_basis(const Vec3& dir, int degree, double* y) {
   HDR_ASSERT(degree >= 0 && degree <= kMaxShDegree);
-  static const Recurrence recurrence;
+  const ShRecurrence& recurrence = ShRecurrence::get();
   const double z = dir.z();
   double re = 1, im = 0;                    // (x + iy)^m
   double diagonal = std::sqrt(0.25 / kPi);  // K P_mm without its sin^m

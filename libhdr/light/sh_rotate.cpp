@@ -1,8 +1,9 @@
 // Rotation of real spherical harmonics, band by band [Ivanic96, with the errata of 1998]. Band 1 turns as y, z, x do;
 // each further band's matrix follows from band 1 and the one before. The paper's symbols are kept.
 #include <cmath>
+#include <mutex>
 
-#include "libhdr/light/sh.h"
+#include "libhdr/light/internal/project.h"
 
 namespace hdr {
 namespace {
@@ -54,24 +55,52 @@ Band band_after(int l, const Band& first, const Band& previous) {
   return band;
 }
 
-}  // namespace
-
-Sh rotated(const Sh& sh, const Mat3& rotation) {
-  Sh result = sh;
+Band first_band(const Mat3& rotation) {
   Band first(3, 3);
   constexpr int kAxis[] = {1, 2, 0};  // m = -1, 0, 1 are y, z, x
   for (int m = 0; m < 3; ++m)
     for (int n = 0; n < 3; ++n) first(m, n) = rotation(kAxis[m], kAxis[n]);
+  return first;
+}
+
+void turn_band(int l, const Band& band, const Sh& sh, Sh& result) {
+  for (int m = -l; m <= l; ++m) {
+    Rgb sum = Rgb::Zero();
+    for (int n = -l; n <= l; ++n) sum += at(band, m, n) * sh(l, n);
+    result.coefficients[static_cast<std::size_t>(l * (l + 1) + m)] = sum;
+  }
+}
+
+// Bands 1 to 32 of the turn from a lat-long's own axes, each made when it is first asked for.
+const Band& band_of_world_from_map(int l) {
+  static std::once_flag made[kMaxShDegree + 1];
+  static Band bands[kMaxShDegree + 1];
+  const auto k = static_cast<std::size_t>(l);
+  std::call_once(made[k], [&] {
+    const Mat3 world_from_map{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+    bands[k] =
+        l == 1 ? first_band(world_from_map) : band_after(l, band_of_world_from_map(1), band_of_world_from_map(l - 1));
+  });
+  return bands[k];
+}
+
+}  // namespace
+
+Sh rotated(const Sh& sh, const Mat3& rotation) {
+  Sh result = sh;
+  const Band first = first_band(rotation);
   Band band = first;
   for (int l = 1; l <= sh.degree; ++l) {
     if (l > 1) band = band_after(l, first, band);
-    for (int m = -l; m <= l; ++m) {
-      Rgb sum = Rgb::Zero();
-      for (int n = -l; n <= l; ++n) sum += at(band, m, n) * sh(l, n);
-      result.coefficients[static_cast<std::size_t>(l * (l + 1) + m)] = sum;
-    }
+    turn_band(l, band, sh, result);
   }
   return result;
+}
+
+Sh world_from_map_frame(const Sh& map_frame) {
+  Sh world = map_frame;
+  for (int l = 1; l <= map_frame.degree; ++l) turn_band(l, band_of_world_from_map(l), map_frame, world);
+  return world;
 }
 
 }  // namespace hdr

@@ -7,6 +7,9 @@ namespace hdr {
 /// Row moments: cos and sin of the azimuth integrated over each column, the polar factor over each row.
 Sh project_latlong(View<const float> rgb, int degree);
 
+/// From a lat-long's own frame (pole +Y, azimuth from +Z to +X) to the basis's (pole +Z, azimuth from +X to +Y).
+Sh world_from_map_frame(const Sh& map_frame);
+
 /// Quadrature in each pixel's cell, cut by the picture's disc where there is one.
 Sh project_cells(View<const float> rgb, const Projection& projection, int degree);
 

@@ -1,6 +1,7 @@
 #pragma once
 // Sums along the rows of a lat-long of its pixels times cos and sin of multiples of the azimuth: the separable half of
 // a projection. Sums and products are in double.
+#include <numbers>
 #include <vector>
 
 #include "libhdr/core/image.h"
@@ -28,6 +29,13 @@ class AzimuthTable {
   const double* sines(int m) const { return cosines(m) + stride_; }
   std::ptrdiff_t stride() const { return stride_; }
   double cell() const { return cell_; }
+
+  /// cos and sin of k pi / 4, k >= 0.
+  static Vec2 turn(int k) {
+    constexpr double kHalf = std::numbers::sqrt2 / 2;
+    constexpr double kCosines[] = {1, kHalf, 0, -kHalf, -1, -kHalf, 0, kHalf};
+    return {kCosines[k % 8], kCosines[(k + 6) % 8]};
+  }
 
  private:
   double middle(int x) const;
