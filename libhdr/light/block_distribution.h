@@ -9,9 +9,10 @@
 namespace hdr {
 
 /// Non-negative weights of the pixels of a map's rows: luminance above `floor`, max(0, Y - floor). Only running sums
-/// at the ends of blocks of pixels are kept, in double, and a guide to them [Chen74]; inside a block the pixels
-/// themselves are summed again when one is drawn. So building costs one pass over the map, memory a 19th of it, and no
-/// pixel that has weight is lost: sums in double tell 2^53 shares apart. A larger u never gives an earlier pixel.
+/// at the ends of blocks of pixels are kept, in double, and a guide to them [Chen74] that is small enough for a cache;
+/// inside a block the pixels themselves are summed again when one is drawn. So building costs one pass over the map,
+/// memory a 24th of it, and no pixel that has weight is lost: sums in double tell 2^53 shares apart. A larger u never
+/// gives an earlier pixel.
 class BlockDistribution {
  public:
   BlockDistribution() = default;
@@ -20,6 +21,7 @@ class BlockDistribution {
   struct Place {
     int x = 0;
     double inside = 0;  ///< where u lies in the pixel, 0..1
+    double weight = 0;  ///< of the pixel
   };
 
   /// The pixel of row y that u in [0,1) falls into; never one of no weight, unless the whole row has none.
@@ -46,8 +48,12 @@ class BlockDistribution {
   static constexpr int kBlock = 16;
 
  private:
+  static constexpr int kCells = 64;  // of a row's guide
   void make_guide(int y);
-  std::size_t guide_index(int y, double u) const;
+  struct Range {
+    int first, last;
+  };
+  Range blocks_near(int y, double u) const;
   int block_of(int y, double u, double wanted) const;
   double block_begin(int y, int block) const {
     return block == 0 ? 0 : ends_[static_cast<std::size_t>(y * blocks_ + block - 1)];
@@ -59,8 +65,7 @@ class BlockDistribution {
   std::vector<Rgb> row_sums_;
   std::vector<double> row_totals_;    ///< the last of ends_ of each row, close together: every draw reads one
   std::vector<double> ends_;          ///< of the blocks of every row, from the row's beginning
-  int cells_ = 0;                     ///< of a row's guide: a power of two, not less than blocks_
-  std::vector<std::uint16_t> guide_;  ///< a block at or before the one in which a share of k / cells_ lies
+  std::vector<std::uint16_t> guide_;  ///< a block at or before the one in which a share of k / kCells lies
 };
 
 }  // namespace hdr

@@ -54,12 +54,14 @@ Place place_of(const Vec3f& dir, Size size) {
 
 }  // namespace
 
-Environment::Environment(Image<float> latlong, Density density) : map_(std::move(latlong)) {
+Environment::Environment(Image<float> latlong, Density density, Order order)
+    : map_(std::move(latlong)), order_(order), per_width_(1.0 / map_.width()) {
   HDR_ASSERT(map_.channels() == 3 && !map_.empty());
   for (int y = 0; y <= map_.height(); ++y) shares_above_.push_back(share_above(kPi * y / map_.height()));
   weigh(0);
   for (int y = 0; y < map_.height(); ++y)
-    power_ += latlong_pixel_solid_angle(y, map_.width(), map_.height()) * columns_.row_sum(y);
+    power_ += latlong_pixel_solid_angle(y, map_.width(), map_.height()) *
+              (order_ == Order::kAlias ? aliases_.row_sum(y) : columns_.row_sum(y));
   if (density == Density::kLuminance || black()) return;
   const double mean = total_ / (4 * kPi);
   weigh(mean);
@@ -68,14 +70,24 @@ Environment::Environment(Image<float> latlong, Density density) : map_(std::move
 }
 
 void Environment::weigh(double floor) {
-  columns_ = BlockDistribution(map_, floor);
+  if (order_ == Order::kAlias) {
+    weigh(aliases_, floor);
+  } else {
+    weigh(columns_, floor);
+  }
+}
+
+template <class Columns>
+void Environment::weigh(Columns& columns, double floor) {
+  columns = Columns(map_, floor);
   std::vector<double> weights, solid_angles;
   for (int y = 0; y < map_.height(); ++y) {
     solid_angles.push_back(latlong_pixel_solid_angle(y, map_.width(), map_.height()));
-    weights.push_back(solid_angles.back() * columns_.row_total(y));
+    weights.push_back(solid_angles.back() * columns.row_total(y));
   }
   rows_ = StepDistribution(weights);
   total_ = rows_.total();
+  per_total_ = total_ > 0 ? 1 / total_ : 0;
   // A black map: uniform over the sphere (a row without weight is drawn from uniformly).
   if (!(total_ > 0)) rows_ = StepDistribution(solid_angles);
 }
@@ -98,56 +110,71 @@ Environment Environment::from_probe(const RadianceMap& probe, const Projection& 
   return Environment(latlong_from_probe(probe, projection, width), density);
 }
 
-Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y) const {
+Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y, double weight) const {
   const float* p = map_.pixel(x, y);
-  return {dir, Rgbf(p[0], p[1], p[2]), pdf_of_pixel(x, y)};
+  return {dir, Rgbf(p[0], p[1], p[2]), pdf_of_weight(weight)};
+}
+
+float Environment::pdf_of_weight(double weight) const {
+  return static_cast<float>(black() ? 0.25 / kPi : weight * per_total_);
 }
 
 float Environment::pdf_of_pixel(int x, int y) const {
-  return static_cast<float>(black() ? 0.25 / kPi : columns_.weight(x, y) / total_);
+  return pdf_of_weight(weight(x, y));
 }
 
 Environment::Sample Environment::sample(const Vec2& u) const {
   const StepDistribution::Step row = rows_.step_of(u.y());
-  return sample_at(row, columns_.place_of(row.index, u.x()));
+  return sample_at(row,
+                   order_ == Order::kAlias ? aliases_.place_of(row.index, u.x()) : columns_.place_of(row.index, u.x()));
 }
 
 void Environment::sample(std::span<const Vec2> u, std::span<Sample> samples) const {
   HDR_ASSERT(u.size() == samples.size());
+  if (order_ == Order::kAlias) {
+    sample_many(aliases_, u, samples);
+  } else {
+    sample_many(columns_, u, samples);
+  }
+}
+
+template <class Columns>
+void Environment::sample_many(const Columns& columns, std::span<const Vec2> u, std::span<Sample> samples) const {
   constexpr std::size_t kAtOnce = 32;  // as many misses as a processor has open, with some lines each
   StepDistribution::Step rows[kAtOnce];
-  BlockDistribution::Draw draws[kAtOnce];
+  typename Columns::Draw draws[kAtOnce];
   for (std::size_t first = 0; first < u.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, u.size() - first);
     for (std::size_t k = 0; k < count; ++k) {
       rows[k] = rows_.step_of(u[first + k].y());
-      columns_.prefetch_draw(rows[k].index, u[first + k].x());
+      columns.prefetch_draw(rows[k].index, u[first + k].x());
     }
     for (std::size_t k = 0; k < count; ++k) {
-      draws[k] = columns_.draw(rows[k].index, u[first + k].x());
-      columns_.prefetch_pixels(draws[k]);
+      draws[k] = columns.draw(rows[k].index, u[first + k].x());
+      columns.prefetch_pixels(draws[k]);
     }
-    for (std::size_t k = 0; k < count; ++k) samples[first + k] = sample_at(rows[k], columns_.place_in(draws[k]));
+    for (std::size_t k = 0; k < count; ++k) samples[first + k] = sample_at(rows[k], columns.place_in(draws[k]));
   }
 }
 
 Environment::Sample Environment::sample_at(const StepDistribution::Step& row,
                                            const BlockDistribution::Place& column) const {
   double cosine, sine;  // of the azimuth
-  turn(0.5 - (column.x + column.inside) / map_.width(), cosine, sine);
+  turn(0.5 - (column.x + column.inside) * per_width_, cosine, sine);
   // Uniform in solid angle: linear in the share of the sphere above, h = sin^2(theta / 2).
   const auto above = shares_above_.begin() + row.index;
   const double top = above[0], bottom = above[1];
   const double h = top + row.inside * (bottom - top);
   const double horizontal = 2 * std::sqrt(h * (1 - h));
   const Vec3 dir(horizontal * sine, 1 - 2 * h, horizontal * cosine);
-  return sample_of(dir.cast<float>(), column.x, row.index);
+  return sample_of(dir.cast<float>(), column.x, row.index, column.weight);
 }
 
 Environment::Sample Environment::lookup(const Vec3f& dir) const {
   const Vec2 uv = latlong_from_dir(dir.cast<double>());
-  return sample_of(dir, std::min(static_cast<int>(uv.x() * map_.width()), map_.width() - 1),
-                   std::min(static_cast<int>(uv.y() * map_.height()), map_.height() - 1));
+  const int x = std::min(static_cast<int>(uv.x() * map_.width()), map_.width() - 1);
+  const int y = std::min(static_cast<int>(uv.y() * map_.height()), map_.height() - 1);
+  return sample_of(dir, x, y, weight(x, y));
 }
 
 Rgbf Environment::smooth_radiance(const Vec3f& dir) const {
@@ -169,7 +196,9 @@ Rgbf Environment::smooth_radiance(const Vec3f& dir) const {
 
 Vec2 Environment::invert(const Vec3f& dir) const {
   const Place place = place_of(dir, map_.size());
-  return {columns_.invert(place.y, {place.x, place.across}), rows_.invert({place.y, place.down})};
+  const BlockDistribution::Place column{place.x, place.across};
+  const double across = order_ == Order::kAlias ? aliases_.invert(place.y, column) : columns_.invert(place.y, column);
+  return {across, rows_.invert({place.y, place.down})};
 }
 
 }  // namespace hdr

@@ -7,6 +7,7 @@
 #include "libhdr/core/image.h"
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/light/block_alias.h"
 #include "libhdr/light/block_distribution.h"
 #include "libhdr/light/step_distribution.h"
 #include "libhdr/probe/projection.h"
@@ -28,9 +29,13 @@ class Environment {
   /// must reach them. A map without anything above its mean is sampled as it is.
   enum class Density { kLuminance, kCompensated };
 
+  /// How the column is found. kInOrder inverts running sums: points that are spread evenly stay so on the sphere.
+  /// kAlias looks into alias tables: for independent numbers, from maps that no cache holds.
+  enum class Order { kInOrder, kAlias };
+
   /// A lat-long with three channels, finite and non-negative (read_map has seen to it). Values up to 1e30 are no
   /// trouble: sums are in double.
-  explicit Environment(Image<float> latlong, Density density = Density::kLuminance);
+  explicit Environment(Image<float> latlong, Density density = Density::kLuminance, Order order = Order::kInOrder);
 
   /// Of latlong_from_probe().
   static Environment from_probe(const RadianceMap& probe, const Projection& projection, int width = 0,
@@ -52,7 +57,8 @@ class Environment {
   Rgbf smooth_radiance(const Vec3f& dir) const;
   float pdf(const Vec3f& dir) const { return lookup(dir).pdf; }
   float pdf_of_pixel(int x, int y) const;
-  Vec2 invert(const Vec3f& dir) const;  ///< u with sample(u).dir = dir; where pdf(dir) is 0, the nearest u there is
+  /// A u with sample(u).dir = dir (of kInOrder the only one); where pdf(dir) is 0, the nearest u there is.
+  Vec2 invert(const Vec3f& dir) const;
 
   View<const float> latlong() const { return map_; }
   bool black() const { return total_ == 0; }
@@ -60,14 +66,24 @@ class Environment {
 
  private:
   void weigh(double floor);
+  template <class Columns>
+  void weigh(Columns& columns, double floor);
+  template <class Columns>
+  void sample_many(const Columns& columns, std::span<const Vec2> u, std::span<Sample> samples) const;
+  float pdf_of_weight(double weight) const;
+  double weight(int x, int y) const { return order_ == Order::kAlias ? aliases_.weight(x, y) : columns_.weight(x, y); }
   Sample sample_at(const StepDistribution::Step& row, const BlockDistribution::Place& column) const;
-  Sample sample_of(const Vec3f& dir, int x, int y) const;
+  Sample sample_of(const Vec3f& dir, int x, int y, double weight) const;
 
   Image<float> map_;
+  Order order_;
+  double per_width_;
   StepDistribution rows_;             ///< by weight times solid angle
   BlockDistribution columns_;         ///< of each row, by weight: its view is of map_, whose pixels do not move with it
+  BlockAlias aliases_;                ///< instead of it
   std::vector<double> shares_above_;  ///< of the sphere, above each row
   double total_ = 0;                  ///< integral of the weight
+  double per_total_ = 0;              ///< 1 / total_
   Rgb power_ = Rgb::Zero();
 };
 

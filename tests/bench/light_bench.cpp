@@ -144,44 +144,82 @@ void bench_sh(const std::vector<int>& widths, int brute_force_to, int repeats) {
   }
 }
 
-void bench_environment(int width, int repeats) {
-  const Image<float> map = sky(width);
-  Runs passes, builds;
-  for (int k = 0; k < repeats; ++k) {
-    sink = passes.time([&] { return read_once(map); });
-    Image<float> own = map.clone();
-    builds.time([&] { return Environment(std::move(own)); });
-  }
-  const Environment light(map.clone());
-  constexpr int kSamples = 1 << 21;
+// Millions of samples a second of one core: many at once, and one by one.
+struct Rates {
+  double many, single;
+};
+Rates rates_of(const Environment& light, int repeats) {
+  constexpr int kSamples = 1 << 20;
   constexpr int kBatch = 256;
   std::vector<Vec2> u(kBatch);
   std::vector<Environment::Sample> samples(kBatch);
   Runs batches, singles;
-  batches.time([&] {
-    Random random(1, 2);
-    float sum = 0;
-    for (int k = 0; k < kSamples; k += kBatch) {
-      for (Vec2& v : u) v = {random.uniform(), random.uniform()};
-      light.sample(u, samples);
-      for (const Environment::Sample& s : samples) sum += s.pdf;
+  for (int run = 0; run < repeats; ++run) {
+    batches.time([&] {
+      Random random(1, 2);
+      float sum = 0;
+      for (int k = 0; k < kSamples; k += kBatch) {
+        for (Vec2& v : u) v = {random.uniform(), random.uniform()};
+        light.sample(u, samples);
+        for (const Environment::Sample& s : samples) sum += s.pdf;
+      }
+      sink = sum;
+    });
+    singles.time([&] {
+      Random random(1, 2);
+      float sum = 0;
+      for (int k = 0; k < kSamples; ++k) {
+        const double x = random.uniform();
+        sum += light.sample({x, random.uniform()}).pdf;
+      }
+      sink = sum;
+    });
+  }
+  return {kSamples / batches.least().cpu / 1e6, kSamples / singles.least().cpu / 1e6};
+}
+
+// Rms over random normals of the error of irradiance from 64 samples, relative: of points that are spread evenly
+// (Hammersley's, shifted), which an order along the row keeps even.
+double error_of_64(const Environment& light) {
+  constexpr int kPoints = 64, kNormals = 400;
+  const Sh sh = project(light.latlong(), LatLong{light.latlong().size()}, 12);
+  double square = 0;
+  Random random(3, 3);
+  for (int k = 0; k < kNormals; ++k) {
+    const Vec3 n = Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    const double du = random.uniform(), dv = random.uniform(), truth = irradiance(sh, n)[1];
+    double sum = 0;
+    for (int i = 0; i < kPoints; ++i) {
+      double u = du, v = dv + i * 1.0 / kPoints;
+      for (int bits = i, digit = 1; bits; bits /= 2, ++digit) u += std::ldexp(bits % 2, -digit);
+      const Environment::Sample s = light.sample({u - std::floor(u), v - std::floor(v)});
+      sum += std::max(0.0, n.dot(s.dir.cast<double>())) * s.radiance[1] / s.pdf / kPoints;
     }
-    sink = sum;
-  });
-  singles.time([&] {
-    Random random(1, 2);
-    float sum = 0;
-    for (int k = 0; k < kSamples; ++k) {
-      const double x = random.uniform();
-      sum += light.sample({x, random.uniform()}).pdf;
+    square += std::pow(sum / truth - 1, 2) / kNormals;
+  }
+  return std::sqrt(square);
+}
+
+void bench_environment(int width, int repeats) {
+  const Image<float> map = sky(width);
+  fmt::print("sampling, {} wide (must: tables <= 3 passes, >= 10 M samples/s a core)\n", width);
+  for (const auto order : {Environment::Order::kInOrder, Environment::Order::kAlias}) {
+    Runs passes, builds;
+    for (int k = 0; k < repeats; ++k) {
+      sink = passes.time([&] { return read_once(map); });
+      Image<float> own = map.clone();
+      builds.time([&] { return Environment(std::move(own), Environment::Density::kLuminance, order); });
     }
-    sink = sum;
-  });
-  const double rate = kSamples / batches.least().cpu / 1e6, ratio = builds.least().cpu / passes.least().cpu;
-  fmt::print(
-      "sampling, {} wide (must: tables <= 3 passes, >= 10 M samples/s a core): {:.1f} passes {}, {:.1f} M/s {}; one by "
-      "one {:.1f} M/s\n",
-      width, ratio, verdict(ratio <= 3), rate, verdict(rate >= 10), kSamples / singles.least().cpu / 1e6);
+    const Environment light(map.clone(), Environment::Density::kLuminance, order);
+    const Rates rates = rates_of(light, repeats);
+    const double ratio = builds.least().cpu / passes.least().cpu;
+    const bool chosen = order == Environment::Order::kInOrder;  // the other is there to be compared
+    fmt::print(
+        "  {:<12} {:.1f} passes {}, many at once {:.1f} M/s {}, one by one {:.1f} M/s {}; 64 even points: {:.1f} %\n",
+        chosen ? "in order" : "alias tables", ratio, chosen ? verdict(ratio <= 3) : "", rates.many,
+        chosen ? verdict(rates.many >= 10) : "", rates.single, chosen ? verdict(rates.single >= 10) : "",
+        100 * error_of_64(light));
+  }
 }
 
 std::vector<Vec3> spiral(int count) {

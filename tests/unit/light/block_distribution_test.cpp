@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "libhdr/core/parallel.h"
+#include "libhdr/light/block_alias.h"
+#include "libhdr/light/internal/pixel_block.h"
+#include "libhdr/light/step_distribution.h"
 #include "tests/unit/light/maps.h"
 
 namespace hdr {
@@ -32,6 +36,120 @@ TEST(BlockDistribution, NoPixelOfAWideRowIsOutOfReach) {
       }
     }
     EXPECT_EQ(missed, 0) << "row " << y;
+  }
+}
+
+// How many pixels of a map that have light no numbers (u, v) lead to: rows and columns one by one. Suns of 1e6 and
+// black pixels among a ground of 1e-3 to 1.
+struct Reached {
+  std::int64_t lit = 0, missed = 0;
+};
+template <class Columns>
+Reached count_reached(Size size) {
+  Image<float> map(size, 3);
+  for_rows(size.height, 16, [&](int first, int last) {
+    for (int y = first; y < last; ++y) {
+      Random random(8, static_cast<std::uint64_t>(y));
+      for (int x = 0; x < size.width; ++x) {
+        const double u = random.uniform();
+        map(x, y, 1) = u < 0.1 ? 0.0f : u > 0.9999 ? 1e6f : static_cast<float>(std::exp(7 * u - 7));
+      }
+    }
+  });
+  const Columns columns(map, 0);
+  std::vector<double> weights;
+  for (int y = 0; y < size.height; ++y)
+    weights.push_back(columns.row_total(y) * latlong_pixel_solid_angle(y, size.width, size.height));
+  const StepDistribution rows(weights);
+  return reduce_rows(
+      size.height, 16, Reached{},
+      [&](int first, int last) {
+        Reached part;
+        for (int y = first; y < last; ++y) {
+          const bool row_reached = rows.step_of(rows.invert({y, 0.5})).index == y;
+          for (int x = 0; x < size.width; ++x) {
+            if (!(columns.weight(x, y) > 0)) continue;
+            ++part.lit;
+            part.missed += !row_reached || columns.place_of(y, columns.invert(y, {x, 0.5})).x != x;
+          }
+        }
+        return part;
+      },
+      [](Reached& total, const Reached& part) {
+        total.lit += part.lit;
+        total.missed += part.missed;
+      });
+}
+
+void expect_all_reached(Size size) {
+  for (const bool alias : {false, true}) {
+    const Reached reached = alias ? count_reached<BlockAlias>(size) : count_reached<BlockDistribution>(size);
+    EXPECT_GT(reached.lit, std::int64_t{size.width} * size.height * 4 / 5);
+    EXPECT_EQ(reached.missed, 0) << "of " << reached.lit << (alias ? ", alias tables" : "");
+  }
+}
+
+TEST(BlockDistribution, EveryPixelOfAMapThatHasLightIsReached) {
+  expect_all_reached({1024, 512});
+  expect_all_reached({1000, 33});
+}
+
+// A minute and 2 GB: run with --gtest_also_run_disabled_tests.
+TEST(BlockDistribution, DISABLED_EveryPixelOfTheWidestMapIsReached) {
+  expect_all_reached({16384, 8192});
+}
+
+TEST(PixelBlock, VectorsSayWhatTheReferenceSays) {
+  Random random(17, 3);
+  for (const int width : {1, 7, 15, 16, 17, 31, 32, 48, 100, 240}) {
+    for (const double floor : {0.0, 0.3}) {
+      std::vector<float> row(static_cast<std::size_t>(3 * width));
+      for (float& value : row) value = random.uniform() < 0.3 ? 0 : static_cast<float>(random.uniform());
+      const auto count = static_cast<std::size_t>((width + kPixelBlock - 1) / kPixelBlock);
+      std::vector<double> fast(count), slow(count);
+      const Rgb a = sum_blocks(row.data(), width, floor, fast.data());
+      const Rgb b = reference::sum_blocks(row.data(), width, floor, slow.data());
+      EXPECT_LT((a - b).abs().maxCoeff(), 1e-12);
+      for (std::size_t k = 0; k < count; ++k) {
+        EXPECT_NEAR(fast[k], slow[k], 1e-13);
+        if (!(slow[k] > 0)) continue;
+        const int pixels = std::min(kPixelBlock, width - static_cast<int>(k) * kPixelBlock);
+        const float* block = row.data() + 3 * kPixelBlock * k;
+        for (int i = 0; i < 50; ++i) {
+          const double share = i == 0 ? 0 : random.uniform();
+          const PixelPlace place = place_in_block(block, pixels, floor, share * slow[k]);
+          const PixelPlace meant = reference::place_in_block(block, pixels, floor, share * slow[k]);
+          const PixelPlace of_share = place_of_share(block, pixels, floor, share);
+          EXPECT_EQ(place.index, meant.index);
+          EXPECT_NEAR(place.inside, meant.inside, 1e-9);
+          EXPECT_NEAR(place.weight, meant.weight, 1e-15);
+          EXPECT_EQ(of_share.index, meant.index);
+        }
+        // At the end and past it, by rounding: the last pixel that has weight.
+        const PixelPlace end = place_in_block(block, pixels, floor, slow[k] * (1 + 1e-12));
+        EXPECT_EQ(end.index, reference::place_in_block(block, pixels, floor, slow[k] * (1 + 1e-12)).index);
+        EXPECT_GT(end.weight, 0);
+      }
+    }
+  }
+}
+
+TEST(BlockAlias, SharesAreTheWeights) {
+  Random random(5, 3);
+  for (const int width : {1, 16, 17, 64, 160, 1000}) {
+    Image<float> map(width, 2, 3);
+    std::vector<double> blocks(static_cast<std::size_t>((width + 15) / 16)), found(blocks.size());
+    for (int x = 0; x < width; ++x) map(x, 0, 1) = static_cast<float>(std::exp(9 * random.uniform()));
+    for (int x = 0; x < std::min(width, 16); ++x) map(x, 0, 1) = 1e-9f;  // a block that all but vanishes
+    const BlockAlias alias(map, 0);
+    sum_blocks(map.row(0), width, 0, blocks.data());
+    constexpr int kSteps = 200000;
+    for (int k = 0; k < kSteps; ++k)
+      found[static_cast<std::size_t>(alias.place_of(0, (k + 0.5) / kSteps).x / 16)] += 1.0 / kSteps;
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      EXPECT_NEAR(found[k], blocks[k] / alias.row_total(0), 2.0 * static_cast<double>(blocks.size()) / kSteps) << k;
+    for (int x = 0; x < std::min(width, 16); ++x) EXPECT_EQ(alias.place_of(0, alias.invert(0, {x, 0.5})).x, x);
+    EXPECT_EQ(alias.place_of(1, 0.99).x, static_cast<int>(0.99 * width)) << "a black row is uniform";
   }
 }
 

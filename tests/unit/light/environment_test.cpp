@@ -84,7 +84,18 @@ void expect_samples_follow_density(const Environment& light) {
   EXPECT_LT(chi2, cells + 4 * std::sqrt(2.0 * cells)) << cells << " cells";
 }
 
+TEST(Environment, SamplesOfAliasTablesFollowTheirDensity) {
+  constexpr auto kAlias = Environment::Order::kAlias;
+  for (const auto density : {Environment::Density::kLuminance, Environment::Density::kCompensated}) {
+    expect_samples_follow_density(Environment(rough_map({100, 6}, 23), density, kAlias));
+    expect_samples_follow_density(Environment(lobes_map({64, 8}, 2, 5, 21), density, kAlias));
+  }
+  expect_samples_follow_density(
+      Environment(constant_map({34, 7}, Rgbf::Zero()), Environment::Density::kLuminance, kAlias));
+}
+
 TEST(Environment, SamplesFollowTheirDensity) {
+  expect_samples_follow_density(Environment(rough_map({100, 6}, 23)));
   expect_samples_follow_density(Environment(rough_map({12, 6}, 21)));
   expect_samples_follow_density(Environment(lobes_map({16, 8}, 2, 5, 21)));
   expect_samples_follow_density(Environment(constant_map({14, 7}, Rgbf::Zero())));
@@ -138,18 +149,21 @@ TEST(Environment, SampleCarriesRadianceAndDensityOfItsPixel) {
 }
 
 TEST(Environment, ManySamplesAtOnceAreTheSamplesOneByOne) {
-  for (const bool black : {false, true}) {
-    const Environment light(black ? constant_map({40, 20}, Rgbf::Zero()) : rough_map({40, 20}, 7));
-    Random random(14, 0);
-    std::vector<Vec2> u(1003);  // no multiple of what is done at once
-    for (Vec2& v : u) v = {random.uniform(), random.uniform()};
-    std::vector<Environment::Sample> samples(u.size());
-    light.sample(u, samples);
-    for (std::size_t k = 0; k < u.size(); ++k) {
-      const Environment::Sample one = light.sample(u[k]);
-      EXPECT_EQ(samples[k].dir, one.dir) << k;
-      EXPECT_EQ(samples[k].pdf, one.pdf) << k;
-      EXPECT_TRUE((samples[k].radiance == one.radiance).all()) << k;
+  for (const auto order : {Environment::Order::kInOrder, Environment::Order::kAlias}) {
+    for (const bool black : {false, true}) {
+      const Environment light(black ? constant_map({40, 20}, Rgbf::Zero()) : rough_map({40, 20}, 7),
+                              Environment::Density::kLuminance, order);
+      Random random(14, 0);
+      std::vector<Vec2> u(1003);  // no multiple of what is done at once
+      for (Vec2& v : u) v = {random.uniform(), random.uniform()};
+      std::vector<Environment::Sample> samples(u.size());
+      light.sample(u, samples);
+      for (std::size_t k = 0; k < u.size(); ++k) {
+        const Environment::Sample one = light.sample(u[k]);
+        EXPECT_EQ(samples[k].dir, one.dir) << k;
+        EXPECT_EQ(samples[k].pdf, one.pdf) << k;
+        EXPECT_TRUE((samples[k].radiance == one.radiance).all()) << k;
+      }
     }
   }
 }
@@ -172,9 +186,11 @@ TEST(Environment, SamplesMoveOneWayWithTheirNumbers) {
 }
 
 TEST(Environment, InvertUndoesSample) {
-  for (const Size size : {Size{1, 1}, Size{2, 1}, Size{9, 4}, Size{64, 32}}) {
-    for (const bool black : {false, true}) {
-      const Environment light(black ? constant_map(size, Rgbf::Zero()) : rough_map(size, 5));
+  for (const Size size : {Size{1, 1}, Size{2, 1}, Size{9, 4}, Size{64, 32}, Size{100, 50}}) {
+    for (const int kind : {0, 1, 2, 3}) {
+      const Environment light(kind & 1 ? constant_map(size, Rgbf::Zero()) : rough_map(size, 5),
+                              Environment::Density::kLuminance,
+                              kind & 2 ? Environment::Order::kAlias : Environment::Order::kInOrder);
       Random random(10, 0);
       for (int i = 0; i < 500; ++i) {
         const Vec2 u(random.uniform(), random.uniform());
