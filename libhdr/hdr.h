@@ -75,7 +75,8 @@
 #include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing
 
-#include "libhdr/render/obj.h"  // meshes from Wavefront OBJ
+#include "libhdr/render/framing.h"  // where a camera must stand to see all of a scene
 #include "libhdr/render/prt.h"  // a mesh's transfer: lit by any probe at once
 #include "libhdr/render/render.h"  // a picture of a scene lit by a probe
 #include "libhdr/render/scene.h"
+#include "libhdr/render/scene_file.h"  // OBJ, PLY, glTF

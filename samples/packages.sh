@@ -4,7 +4,8 @@
 HDR_BUILD_PACKAGES=(build-essential cmake ninja-build pkg-config ccache
   libopenimageio-dev libopenexr-dev libimath-dev libtiff-dev libraw-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-video-dev libopencv-features2d-dev libopencv-calib3d-dev
-  libceres-dev libeigen3-dev libtbb-dev zlib1g-dev libembree-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev)
+  libceres-dev libeigen3-dev libtbb-dev zlib1g-dev libembree-dev libassimp-dev libhwy-dev libcli11-dev libfmt-dev
+  nlohmann-json3-dev)
 
 # What its tests need besides.
 HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)

@@ -14,7 +14,7 @@ set(may_capture core io response)
 set(folders core io response align merge filter probe light render capture)
 
 # Headers of these libraries are slow to compile or leak their names: .cpp files only (core/internal is private).
-set(heavy "OpenImageIO/|opencv2/|ceres/|embree3/|tbb/|nlohmann/|CLI/|fmt/|hwy/|libraw/|tiff")
+set(heavy "OpenImageIO/|opencv2/|ceres/|embree3/|assimp/|tbb/|nlohmann/|CLI/|fmt/|hwy/|libraw/|tiff")
 
 set(errors 0)
 foreach(folder ${folders})

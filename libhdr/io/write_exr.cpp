@@ -72,6 +72,7 @@ int rows_at_a_time(Imf::Compression compression, int height) {
 /// Channels of one layer, interleaved: rows that wait to be compressed, as the file's type of sample.
 struct Plane {
   std::vector<std::string> names;
+  bool as_half = true;
   Image<std::uint16_t> halves;
   Image<float> floats;
 
@@ -94,14 +95,15 @@ void add_slices(Image<T>& rows, const Plane& plane, Imf::PixelType type, int fir
 class ExrWriter::File {
  public:
   File(const Path& file, const Path& path, const MapHeader& map, bool alpha, const Provenance& provenance,
-       const WriteOptions& options)
-      : path_(path), as_half_(options.type == SampleType::kHalf), size_(map.size) {
+       const WriteOptions& options, const std::vector<std::vector<std::string>>& more)
+      : path_(path), as_half_(options.type == SampleType::kHalf), size_(map.size), planes_(kPlanes + more.size()) {
     Imf::Header header = header_of(map, provenance);
     header.compression() = compression_from_name(options.compression, path);
     add_plane(header, kRgb, {"R", "G", "B"});
     if (alpha) add_plane(header, kAlpha, {"A"});
     if (map.stddev) add_plane(header, kStddev, {"stddev.R", "stddev.G", "stddev.B"});
     if (map.flags) add_plane(header, kFlags, {"mask.clipped", "mask.dark"});
+    for (std::size_t k = 0; k < more.size(); ++k) add_plane(header, kPlanes + k, more[k], false);
     if (Imf::globalThreadCount() != threads()) Imf::setGlobalThreadCount(threads());
     out_ = std::make_unique<Imf::OutputFile>(file.c_str(), header, threads());
   }
@@ -116,6 +118,7 @@ class ExrWriter::File {
       take(kAlpha, band.alpha, taken, count);
       take(kStddev, band.stddev, taken, count);
       take(kFlags, band.flags, taken, count);
+      for (std::size_t k = kPlanes; k < planes_.size(); ++k) take(k, band.more.at(k - kPlanes), taken, count);
       taken += count;
       waiting_ += count;
       if (waiting_ == room) flush();
@@ -137,22 +140,26 @@ class ExrWriter::File {
  private:
   enum PlaneIndex : std::size_t { kRgb, kAlpha, kStddev, kFlags, kPlanes };
 
-  void add_plane(Imf::Header& header, PlaneIndex index, std::vector<std::string> names) {
+  void add_plane(Imf::Header& header, std::size_t index, std::vector<std::string> names) {
+    add_plane(header, index, std::move(names), as_half_);
+  }
+  void add_plane(Imf::Header& header, std::size_t index, std::vector<std::string> names, bool as_half) {
     Plane& plane = planes_[index];
     plane.names = std::move(names);
+    plane.as_half = as_half;
     const int rows = rows_at_a_time(header.compression(), size_.height);
-    if (as_half_) {
+    if (as_half) {
       plane.halves = Image<std::uint16_t>(size_.width, rows, plane.channels());
     } else {
       plane.floats = Image<float>(size_.width, rows, plane.channels());
     }
-    for (const std::string& name : plane.names) header.channels().insert(name, Imf::Channel(type()));
+    for (const std::string& name : plane.names) header.channels().insert(name, Imf::Channel(type_of(plane)));
   }
-  Imf::PixelType type() const { return as_half_ ? Imf::HALF : Imf::FLOAT; }
+  static Imf::PixelType type_of(const Plane& plane) { return plane.as_half ? Imf::HALF : Imf::FLOAT; }
 
   /// Rows taken .. taken + count - 1 of the band, behind those that wait already.
   template <class T>
-  void take(PlaneIndex index, const View<const T>& band, int taken, int count) {
+  void take(std::size_t index, const View<const T>& band, int taken, int count) {
     Plane& plane = planes_[index];
     if (plane.names.empty()) return;
     HDR_ASSERT(band.width() == size_.width && band.height() >= taken + count);
@@ -189,7 +196,7 @@ class ExrWriter::File {
 
   Misfit place(const float* row, Plane& plane, int at) const {
     const std::size_t samples = static_cast<std::size_t>(size_.width) * plane.names.size();
-    if (!as_half_) {
+    if (!plane.as_half) {
       std::copy_n(row, samples, plane.floats.row(at));
       return {};
     }
@@ -202,10 +209,10 @@ class ExrWriter::File {
     Imf::FrameBuffer frame;
     for (Plane& plane : planes_) {
       if (plane.names.empty()) continue;
-      if (as_half_) {
-        add_slices(plane.halves, plane, type(), first_, frame);
+      if (plane.as_half) {
+        add_slices(plane.halves, plane, type_of(plane), first_, frame);
       } else {
-        add_slices(plane.floats, plane, type(), first_, frame);
+        add_slices(plane.floats, plane, type_of(plane), first_, frame);
       }
     }
     out_->setFrameBuffer(frame);
@@ -217,7 +224,7 @@ class ExrWriter::File {
   Path path_;
   bool as_half_;
   Size size_;
-  std::array<Plane, kPlanes> planes_;
+  std::vector<Plane> planes_;
   int first_ = 0, waiting_ = 0;  ///< rows written, and rows in the planes
   Misfit misfit_;
   std::unique_ptr<Imf::OutputFile> out_;
@@ -238,9 +245,11 @@ auto translated(const Path& path, const Work& work) try {
 }  // namespace
 
 ExrWriter::ExrWriter(const Path& file, const Path& path, const MapHeader& header, bool alpha,
-                     const Provenance& provenance, const WriteOptions& options)
-    : path_(path),
-      file_(translated(path, [&] { return std::make_unique<File>(file, path, header, alpha, provenance, options); })) {}
+                     const Provenance& provenance, const WriteOptions& options,
+                     const std::vector<std::vector<std::string>>& more)
+    : path_(path), file_(translated(path, [&] {
+        return std::make_unique<File>(file, path, header, alpha, provenance, options, more);
+      })) {}
 
 ExrWriter::~ExrWriter() = default;
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "libhdr/core/error.h"
 #include "libhdr/io/internal/oiio.h"
@@ -11,6 +13,7 @@
 #include "libhdr/io/internal/write_own.h"
 #include "libhdr/io/output_file.h"
 #include "libhdr/io/write.h"
+#include "libhdr/io/write_layers.h"
 
 namespace hdr {
 namespace {
@@ -151,14 +154,28 @@ std::unique_ptr<MapWriter> open_map_rows(const Path& path, const MapHeader& head
 
 void write_map(const Path& path, const RadianceMap& map, const Provenance& provenance, const WriteOptions& options) {
   HDR_ASSERT(!map.rgb.empty() && map.rgb.channels() == 3);
-  if (extension_of(path) != ".exr" || map.alpha.empty()) {
-    const auto writer = open_map_rows(path, header_of(map), provenance, options);
-    writer->put({0, map.rgb, map.stddev, {}});
-    return writer->finish();
+  if (extension_of(path) == ".exr" && !map.alpha.empty()) return write_layers(path, map, {}, provenance, options);
+  const auto writer = open_map_rows(path, header_of(map), provenance, options);
+  writer->put({0, map.rgb, map.stddev, {}});
+  writer->finish();
+}
+
+void write_layers(const Path& path, const RadianceMap& map, std::span<const Layer> layers, const Provenance& provenance,
+                  const WriteOptions& options) {
+  HDR_ASSERT(!map.rgb.empty() && map.rgb.channels() == 3);
+  if (extension_of(path) != ".exr")
+    throw Error(path.string() + ": cannot be written: only EXR has layers; write .exr, or leave the layers out");
+  std::vector<std::vector<std::string>> names;
+  internal::ExrBand band{map.rgb, map.alpha, map.stddev, {}, {}};
+  for (const Layer& layer : layers) {
+    HDR_ASSERT(layer.samples.size() == map.size());
+    HDR_ASSERT(layer.samples.channels() == static_cast<int>(layer.channels.size()));
+    names.push_back(layer.channels);
+    band.more.push_back(layer.samples);
   }
   OutputFile file(path);
-  internal::ExrWriter writer(file.temporary(), path, header_of(map), true, provenance, options);
-  writer.put({map.rgb, map.alpha, map.stddev, {}});
+  internal::ExrWriter writer(file.temporary(), path, header_of(map), !map.alpha.empty(), provenance, options, names);
+  writer.put(band);
   writer.finish();
   file.commit();
 }

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "libhdr/core/color.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/render/internal/ggx.h"
 
 namespace hdr {
 namespace {
@@ -18,74 +20,108 @@ Vec3f cosine_weighted(const Vec2& u) {
   return {r * std::cos(phi), r * std::sin(phi), static_cast<float>(std::sqrt(1 - u.x()))};
 }
 
-// [Schlick94]: F0 + (1 - F0) (1 - cos)^5.
-Rgbf fresnel(const Rgbf& f0, float cosine) {
-  const float m = std::clamp(1 - cosine, 0.0f, 1.0f);
-  return f0 + (1 - f0) * (m * m * m * m * m);
+float luminance_of(const Rgbf& rgb) {
+  return luminance(rgb[0], rgb[1], rgb[2]);
 }
 
 }  // namespace
 
-Bsdf::Bsdf(const Material& material, const Vec3f& normal, const Vec3f& wo) : material_(material), normal_(normal) {
-  HDR_ASSERT(material.kind != MaterialKind::kMirror);
+Bsdf::Bsdf(const Material& material, const Vec3f& normal, const Vec3f& wo)
+    : kind_(material.kind), normal_(normal), diffuse_(Rgbf::Zero()), glossy_(Rgbf::Zero()), edge_(Rgbf::Zero()) {
+  HDR_ASSERT(kind_ != MaterialKind::kMirror);
   tangents_from_normal(normal_, tangent_, bitangent_);
   wo_ = to_local(wo);
-  // Smoother than this, a float direction no longer resolves the lobe: mirrors are a material of their own.
-  alpha_ = std::max(material.roughness * material.roughness, 1e-3f);
+  if (kind_ == MaterialKind::kDiffuse) {
+    diffuse_ = material.color;
+    return;
+  }
+  Rgbf glossy_albedo = material.color;
+  if (kind_ == MaterialKind::kPhong) {
+    glossy_ = material.color;
+    exponent_ = material.exponent;
+    diffuse_ = material.diffuse;
+  } else {
+    glossy_albedo = prepare_ggx(material);
+  }
+  const float from_glossy = luminance_of(glossy_albedo), sum = from_glossy + luminance_of(diffuse_);
+  glossy_share_ = sum > 0 ? from_glossy / sum : 1;
 }
 
-// D(h) = 1 / (pi alpha^2 ((hx^2 + hy^2) / alpha^2 + hz^2)^2), [Heitz18] eq. 1 of an isotropic surface.
-float Bsdf::distribution(const Vec3f& h) const {
-  const float alpha2 = alpha_ * alpha_;
-  const float t = (h.x() * h.x() + h.y() * h.y()) / alpha2 + h.z() * h.z();
-  return 1 / (kPif * alpha2 * t * t);
+// Returns the lobe's albedo towards the viewer. [glTF2]: F0 is .04 (an index of 1.5) for dielectrics and the base
+// colour for metals; what is between is a mixture of both.
+Rgbf Bsdf::prepare_ggx(const Material& material) {
+  constexpr float kDielectric = 0.04f;
+  alpha_ = ggx_alpha(material.roughness);
+  const GgxAlbedo once = ggx_albedo(wo_.z(), material.roughness);
+  const float lost = 1 - once.scale - once.bias;
+  const auto albedo_of = [&](const Rgbf& f0, const Rgbf& gain) { return Rgbf(gain * (f0 * once.scale + once.bias)); };
+  const auto gain_of = [&](const Rgbf& f0) { return Rgbf(1 + f0 * (lost / (1 - lost))); };
+  const float metallic = kind_ == MaterialKind::kGgx ? 1 : material.metallic;
+  const Rgbf plain = Rgbf::Constant(kDielectric), metal_gain = gain_of(material.color), plain_gain = gain_of(plain);
+  const Rgbf plain_albedo = albedo_of(plain, plain_gain);
+  glossy_ = metallic * metal_gain * material.color + (1 - metallic) * plain_gain * plain;
+  edge_ = metallic * metal_gain + (1 - metallic) * plain_gain;
+  diffuse_ = (1 - metallic) * material.color * (1 - plain_albedo).max(0.0f);
+  return metallic * albedo_of(material.color, metal_gain) + (1 - metallic) * plain_albedo;
 }
 
-// [Heitz18] eq. 2: Lambda = (-1 + sqrt(1 + alpha^2 tan^2 theta)) / 2. G1 = 1 / (1 + Lambda(wo)), and with heights
-// correlated G2 = 1 / (1 + Lambda(wo) + Lambda(wi)).
-float Bsdf::lambda(const Vec3f& w) const {
-  const float tan2 = (w.x() * w.x() + w.y() * w.y()) / (w.z() * w.z());
-  return 0.5f * (std::sqrt(1 + alpha_ * alpha_ * tan2) - 1);
+// GGX: f = D F G2 / (4 n.wo n.wi). Phong: f = (n + 2) / (2 pi) cos^n [Lafortune94] eq. 2.
+Rgbf Bsdf::glossy_value(const Vec3f& wi) const {
+  if (kind_ == MaterialKind::kPhong) {
+    const float cosine = std::max(0.0f, Vec3f(-wo_.x(), -wo_.y(), wo_.z()).dot(wi));
+    return glossy_ * ((exponent_ + 2) / (2 * kPif) * std::pow(cosine, exponent_) * wi.z());
+  }
+  const Vec3f h = (wo_ + wi).normalized();
+  const float g2 = 1 / (1 + ggx_lambda(wo_, alpha_) + ggx_lambda(wi, alpha_));
+  const float m = std::clamp(1 - wo_.dot(h), 0.0f, 1.0f), schlick = m * m * m * m * m;  // [Schlick94]
+  return (glossy_ + schlick * (edge_ - glossy_)) * (ggx_distribution(h, alpha_) * g2 / (4 * wo_.z()));
 }
 
-// f = D F G2 / (4 n.wo n.wi).
 Rgbf Bsdf::value_times_cosine(const Vec3f& world_wi) const {
   const Vec3f wi = to_local(world_wi);
   if (wi.z() <= 0 || wo_.z() <= 0) return Rgbf::Zero();
-  if (material_.kind == MaterialKind::kDiffuse) return material_.color * (wi.z() / kPif);
-  const Vec3f h = (wo_ + wi).normalized();
-  const float g2 = 1 / (1 + lambda(wo_) + lambda(wi));
-  return fresnel(material_.color, wo_.dot(h)) * (distribution(h) * g2 / (4 * wo_.z()));
+  const Rgbf matte = diffuse_ * (wi.z() / kPif);
+  return kind_ == MaterialKind::kDiffuse ? matte : Rgbf(matte + glossy_value(wi));
 }
 
-// [Heitz18] section 4: stretch the view to the hemisphere configuration, sample the projected disc, unstretch.
-Vec3f Bsdf::sample_visible_normal(const Vec2& u) const {
-  const Vec3f view = Vec3f(alpha_ * wo_.x(), alpha_ * wo_.y(), wo_.z()).normalized();
-  const float length2 = view.x() * view.x() + view.y() * view.y();
-  const Vec3f t1 = length2 > 0 ? Vec3f(Vec3f(-view.y(), view.x(), 0) / std::sqrt(length2)) : Vec3f(1, 0, 0);
-  const Vec3f t2 = view.cross(t1);
-  const auto r = static_cast<float>(std::sqrt(u.x()));
+Vec3f Bsdf::glossy_sample(const Vec2& u) const {
+  if (kind_ != MaterialKind::kPhong) {
+    const Vec3f h = ggx_visible_normal(wo_, alpha_, u);
+    return (2 * wo_.dot(h) * h - wo_).normalized();
+  }
+  const auto cosine = static_cast<float>(std::pow(u.x(), 1 / (exponent_ + 1.0)));
+  const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
   const auto phi = static_cast<float>(2 * kPi * u.y());
-  const float p1 = r * std::cos(phi);
-  const float s = 0.5f * (1 + view.z());
-  const float p2 = (1 - s) * std::sqrt(std::max(0.0f, 1 - p1 * p1)) + s * r * std::sin(phi);
-  const Vec3f n = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1 - p1 * p1 - p2 * p2)) * view;
-  return Vec3f(alpha_ * n.x(), alpha_ * n.y(), std::max(1e-6f, n.z())).normalized();
+  const Vec3f mirrored(-wo_.x(), -wo_.y(), wo_.z());
+  Vec3f t, b;
+  tangents_from_normal(mirrored, t, b);
+  return (sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * mirrored).normalized();
 }
 
+// One lobe is drawn by the first number, whose rest is uniform again.
 Vec3f Bsdf::sample(const Vec2& u) const {
-  if (material_.kind == MaterialKind::kDiffuse) return to_world(cosine_weighted(u));
-  const Vec3f h = sample_visible_normal(u);
-  return to_world(2 * wo_.dot(h) * h - wo_).normalized();
+  const double share = glossy_share_;
+  if (u.x() >= share)
+    return to_world(cosine_weighted({share > 0 ? std::min((u.x() - share) / (1 - share), 1.0) : u.x(), u.y()}));
+  return to_world(glossy_sample({share < 1 ? u.x() / share : u.x(), u.y()}));
 }
 
-// pdf = G1(wo) D(h) / (4 n.wo): the density of visible normals, [Heitz18] eq. 3, by the Jacobian of a reflection.
+// GGX: G1(wo) D(h) / (4 n.wo), the density of visible normals [Heitz18] eq. 3, by the Jacobian of a reflection.
+// Phong: (n + 1) / (2 pi) cos^n.
+float Bsdf::glossy_pdf(const Vec3f& wi) const {
+  if (kind_ == MaterialKind::kPhong) {
+    const float cosine = std::max(0.0f, Vec3f(-wo_.x(), -wo_.y(), wo_.z()).dot(wi));
+    return (exponent_ + 1) / (2 * kPif) * std::pow(cosine, exponent_);
+  }
+  const Vec3f h = (wo_ + wi).normalized();
+  return ggx_distribution(h, alpha_) / ((1 + ggx_lambda(wo_, alpha_)) * 4 * wo_.z());
+}
+
 float Bsdf::pdf(const Vec3f& world_wi) const {
   const Vec3f wi = to_local(world_wi);
   if (wi.z() <= 0 || wo_.z() <= 0) return 0;
-  if (material_.kind == MaterialKind::kDiffuse) return wi.z() / kPif;
-  const Vec3f h = (wo_ + wi).normalized();
-  return distribution(h) / ((1 + lambda(wo_)) * 4 * wo_.z());
+  const float matte = (1 - glossy_share_) * (wi.z() / kPif);
+  return glossy_share_ > 0 ? matte + glossy_share_ * glossy_pdf(wi) : matte;
 }
 
 }  // namespace hdr

@@ -16,8 +16,11 @@ CameraRays::CameraRays(const Camera& camera, Size size) : eye_(camera.eye), widt
   }
   forward_ = towards.normalized();
   // A camera that looks straight up or down has -Z or +Z at its top, as if it had tilted there from looking along -Z.
-  Vec3 above = Vec3::UnitY();
-  if (forward_.cross(above).norm() < 1e-6) above = forward_.y() > 0 ? Vec3(0, 0, 1) : Vec3(0, 0, -1);
+  Vec3 above = camera.up.cast<double>();
+  if (!(above.norm() > 0) || !above.allFinite()) above = Vec3::UnitY();
+  above.normalize();
+  if (forward_.cross(above).norm() < 1e-6)
+    above = std::abs(forward_.y()) < 0.5 ? Vec3(0, 1, 0) : forward_.y() > 0 ? Vec3(0, 0, 1) : Vec3(0, 0, -1);
   const double half = std::tan(0.5 * camera.fov_degrees * kDegree);
   const Vec3 right = forward_.cross(above).normalized();
   right_ = half * right;

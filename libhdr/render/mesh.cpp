@@ -28,6 +28,7 @@ Mesh quartered(const Mesh& mesh) {
   fine.material = mesh.material;
   fine.positions = mesh.positions;
   fine.normals = mesh.normals;
+  fine.texcoords = mesh.texcoords;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
     const auto [found, fresh] =
@@ -35,6 +36,7 @@ Mesh quartered(const Mesh& mesh) {
     if (fresh) {
       fine.positions.push_back(0.5f * (mesh.positions[a] + mesh.positions[b]));
       if (!mesh.normals.empty()) fine.normals.push_back((mesh.normals[a] + mesh.normals[b]).normalized());
+      if (!mesh.texcoords.empty()) fine.texcoords.push_back(0.5f * (mesh.texcoords[a] + mesh.texcoords[b]));
     }
     return found->second;
   };

@@ -1,37 +1,12 @@
 #include "libhdr/render/scene.h"
 
-#include <fmt/format.h>
-
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "libhdr/core/sphere.h"
+#include "libhdr/render/internal/mesh_tools.h"
 
 namespace hdr {
-namespace {
-
-std::optional<float> share_from_text(const std::string& text) {
-  float value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= 1)) return std::nullopt;
-  return value;
-}
-
-}  // namespace
-
-Material material_from_text(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  const std::string kind = text.substr(0, colon);
-  const std::optional<float> number =
-      colon == std::string::npos ? std::nullopt : share_from_text(text.substr(colon + 1));
-  const bool number_is_good = colon == std::string::npos || number.has_value();
-  if (kind == "diffuse" && number_is_good) return {MaterialKind::kDiffuse, Rgbf::Constant(number.value_or(0.5f)), 1};
-  if (kind == "ggx" && number_is_good) return {MaterialKind::kGgx, Rgbf::Constant(0.9f), number.value_or(0.3f)};
-  if (kind == "mirror" && colon == std::string::npos) return {MaterialKind::kMirror, Rgbf::Constant(1), 0};
-  throw Error(
-      fmt::format("{}: not a material; say diffuse:ALBEDO, ggx:ROUGHNESS (numbers from 0 to 1) or mirror", text));
-}
 
 // Rings of equal polar angle from the top to the bottom, half as many as segments.
 Mesh sphere_mesh(const Vec3f& centre, float radius, const Material& material, int segments) {
@@ -99,6 +74,23 @@ Scene sphere_alone(const Material& material) {
   scene.meshes.push_back(sphere_mesh({0, 0, 0}, 1, material));
   scene.camera = {{0, 0, 4.5f}, {0, 0, 0}, 40};
   return scene;
+}
+
+Mesh joined(const Scene& scene) {
+  Mesh all;
+  bool smooth = true;
+  for (const Mesh& mesh : scene.meshes) {
+    const auto first = static_cast<std::uint32_t>(all.positions.size());
+    all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    for (const std::uint32_t index : mesh.indices) all.indices.push_back(first + index);
+    smooth = smooth && !mesh.normals.empty();
+  }
+  if (!smooth) all.normals.clear();
+  if (!scene.meshes.empty()) all.material = scene.meshes[0].material;
+  all.material.color_texture = all.material.surface_texture = nullptr;
+  join_vertices(all);  // seams of textures are closed
+  return all;
 }
 
 }  // namespace hdr

@@ -232,6 +232,11 @@ bool Tracer::convex() const {
     }
   }
   if (xs.empty()) return true;
+  // Proving that no ray is needed would take longer than tracing them.
+  constexpr double kMostWork = 4e9;
+  double triangles = 0;
+  for (const Mesh& mesh : impl_->scene.meshes) triangles += static_cast<double>(mesh.indices.size()) / 3;
+  if (triangles * static_cast<double>(xs.size()) > kMostWork) return false;
   const auto count = static_cast<Eigen::Index>(xs.size());
   const Eigen::Map<const Eigen::ArrayXf> x(xs.data(), count), y(ys.data(), count), z(zs.data(), count);
   // Rounded vertices may stand this far in front of a plane on which they should lie.

@@ -11,13 +11,12 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
-#include "libhdr/io/output_file.h"
 #include "libhdr/io/read.h"
 #include "libhdr/light/environment.h"
 #include "libhdr/light/lights.h"
 #include "libhdr/light/sh.h"
-#include "libhdr/render/obj.h"
 #include "libhdr/render/prt.h"
+#include "libhdr/render/scene_file.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/support/support.h"
 
@@ -325,7 +324,7 @@ void bench_lights_time(int width) {
 
 void bench_prt(const std::filesystem::path& file, int samples) {
   Scene scene;
-  scene.meshes.push_back(with_smooth_normals(mesh_from_obj(read_text(file), file.string())));
+  scene.meshes.push_back(with_smooth_normals(joined(read_scene(file, {Shading::kFlat}).scene)));
   Runs transfers, relights;
   const std::vector<Transfer> transfer = transfers.time([&] { return diffuse_transfer(scene, {4, samples, 1, {}}); });
   const Image<float> map = sky(256);

@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "libhdr/core/sphere.h"
-#include "libhdr/io/output_file.h"
 #include "libhdr/io/read.h"
 #include "libhdr/io/write.h"
-#include "libhdr/render/obj.h"
 #include "libhdr/render/render.h"
+#include "libhdr/render/scene_file.h"
 #include "tests/bench/render_scene.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/support/support.h"
@@ -45,7 +44,7 @@ struct Options {
 
 Scene scene_of(const Options& options) {
   if (options.scene.empty()) return folded_ball_on_plane();
-  return mesh_on_plane(mesh_from_obj(read_text(options.scene), options.scene), 60000);
+  return mesh_on_plane(joined(read_scene(options.scene, {Shading::kFlat}).scene), 60000);
 }
 
 Image<float> map_of(const Options& options) {

@@ -7,13 +7,12 @@
 #include "libhdr/core/color.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
-#include "libhdr/io/output_file.h"
 #include "libhdr/io/read.h"
 #include "libhdr/light/environment.h"
 #include "libhdr/light/lights.h"
 #include "libhdr/light/sh.h"
-#include "libhdr/render/obj.h"
 #include "libhdr/render/prt.h"
+#include "libhdr/render/scene_file.h"
 #include "libhdr/render/tracer.h"
 #include "tests/support/support.h"
 
@@ -81,7 +80,7 @@ TEST(Bunny, TransferIsMonteCarloUnderTheProjectedProbe) {
   HDR_NEED_SHARED_DATA(file, "meshes/stanford-bunny.obj");
   HDR_NEED_SHARED_DATA(probe, "envmaps/polyhaven_1k/sunset.hdr");
   Scene scene;
-  scene.meshes.push_back(with_smooth_normals(mesh_from_obj(read_text(file), "stanford-bunny.obj")));
+  scene.meshes.push_back(with_smooth_normals(joined(read_scene(file, {Shading::kFlat}).scene)));
   const Mesh& mesh = scene.meshes[0];
   ASSERT_GT(mesh.positions.size(), 34000u);
   const RadianceMap map = std::move(read_map(probe).map);

@@ -2,21 +2,23 @@
 
 #include <fmt/format.h>
 
-#include "libhdr/io/output_file.h"
-#include "libhdr/render/obj.h"
 #include "tools/hdr/prt_file.h"
+#include "tools/hdr/scene_input.h"
 #include "tools/hdr/verb.h"
 
 namespace hdr::tools {
 
 std::function<int(Run&)> declare_prt(CLI::App& app) {
   struct Options {
-    std::string mesh, output;
+    std::string mesh, output, up = "y";
     TransferOptions transfer;
   };
   auto options = std::make_shared<Options>();
-  app.add_option("mesh", options->mesh, "a mesh: Wavefront .obj, +Y up")->required();
+  app.add_option("mesh", options->mesh, "a mesh (.obj .ply .gltf .glb)")->required();
   app.add_option("-o,--output", options->output, "the mesh with its transfer, for  hdr render --scene")->required();
+  app.add_option("--up", options->up, "which axis of the file points up")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
   app.add_option("--degree", options->transfer.degree, "of the harmonics; 4 gives 25 numbers a vertex")
       ->check(CLI::Range(0, 12))
       ->capture_default_str();
@@ -26,8 +28,10 @@ std::function<int(Run&)> declare_prt(CLI::App& app) {
   app.add_option("--seed", options->transfer.seed, "of the random numbers")->capture_default_str();
   return [options](Run& run) {
     Scene scene;
-    scene.meshes.push_back(
-        run.stage("read", [&] { return with_smooth_normals(mesh_from_obj(read_text(options->mesh), options->mesh)); }));
+    // One mesh, whose vertices share their normals.
+    scene.meshes.push_back(run.stage("read", [&] {
+      return with_smooth_normals(joined(read_meshes(run, options->mesh, {"flat", options->up}).scene));
+    }));
     const std::vector<Transfer> transfer = run.stage("transfer", [&](const Progress& progress) {
       TransferOptions settings = options->transfer;
       settings.progress = [&progress](double done) { progress.update(done); };

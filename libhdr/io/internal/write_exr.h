@@ -1,5 +1,7 @@
 #pragma once
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "libhdr/core/rows.h"
 #include "libhdr/io/write.h"
@@ -10,14 +12,16 @@ namespace hdr::internal {
 struct ExrBand {
   View<const float> rgb, alpha, stddev;
   View<const std::uint8_t> flags;
+  std::vector<View<const float>> more = {};  ///< of the channels that the writer was made with
 };
 
 /// Writes OpenEXR into `file`, a temporary of `path` (the name for messages), as its rows come. Compression works on
 /// blocks of lines of its own: the bytes do not depend on the bands. Throws Error.
 class ExrWriter {
  public:
+  /// `more`: further layers, each with the names of its channels; as float, whatever the options say.
   ExrWriter(const Path& file, const Path& path, const MapHeader& header, bool alpha, const Provenance& provenance,
-            const WriteOptions& options);
+            const WriteOptions& options, const std::vector<std::vector<std::string>>& more = {});
   ~ExrWriter();
   /// The next rows.
   void put(const ExrBand& band);

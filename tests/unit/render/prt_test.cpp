@@ -6,7 +6,6 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
-#include "libhdr/render/obj.h"
 #include "libhdr/render/render.h"
 #include "libhdr/render/tracer.h"
 
@@ -126,20 +125,6 @@ TEST(Prt, SameForAnyNumberOfThreads) {
   const auto two = diffuse_transfer(scene, {2, 64, 1, {}});
   set_threads(0);
   for (std::size_t m = 0; m < 2; ++m) EXPECT_TRUE((one[m].vectors.array() == two[m].vectors.array()).all());
-}
-
-TEST(Obj, PolygonsNormalsAndIndicesFromTheEnd) {
-  const Mesh square = mesh_from_obj("# a square\nv 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nf 1 2 3 4\n", "square.obj");
-  EXPECT_EQ(square.positions.size(), 4u);
-  EXPECT_EQ(square.indices.size(), 6u);
-  EXPECT_TRUE(square.normals.empty());
-  const Mesh smooth = with_smooth_normals(square);
-  for (const Vec3f& n : smooth.normals) EXPECT_LT((n - Vec3f(0, 1, 0)).norm(), 1e-6f);
-  const Mesh named = mesh_from_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 2\nf -3//1 -2//1 -1//-1\n", "n.obj");
-  ASSERT_EQ(named.normals.size(), 3u);
-  EXPECT_LT((named.normals[2] - Vec3f(0, 0, 1)).norm(), 1e-6f);
-  for (const char* bad : {"", "v 1 2\n", "v 0 0 0\nf 1 2 3\n", "v 0 0 0\nf 1 1\n", "v 0 0 0\nf 0 1 1\n", "v a b c\n"})
-    EXPECT_THROW(mesh_from_obj(bad, "bad.obj"), Error) << bad;
 }
 
 TEST(Tessellation, KeepsAreaAndShortensEdges) {

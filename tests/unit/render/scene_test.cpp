@@ -37,9 +37,11 @@ TEST(Scene, MaterialsFromText) {
   EXPECT_FLOAT_EQ(material_from_text("diffuse:0.25").color[1], 0.25f);
   EXPECT_EQ(material_from_text("ggx:0.4").kind, MaterialKind::kGgx);
   EXPECT_FLOAT_EQ(material_from_text("ggx:0.4").roughness, 0.4f);
+  EXPECT_FLOAT_EQ(material_from_text("phong:120").exponent, 120);
+  EXPECT_EQ(material_from_text("phong").kind, MaterialKind::kPhong);
   EXPECT_EQ(material_from_text("mirror").kind, MaterialKind::kMirror);
-  for (const char* bad :
-       {"", "glass", "diffuse:", "diffuse:2", "diffuse:-1", "diffuse:nan", "diffuse:0.5x", "mirror:1"}) {
+  for (const char* bad : {"", "glass", "diffuse:", "diffuse:2", "diffuse:-1", "diffuse:nan", "diffuse:0.5x", "mirror:1",
+                          "phong:-1", "phong:x", "phong:1e9"}) {
     EXPECT_THROW(material_from_text(bad), Error) << bad;
   }
 }
