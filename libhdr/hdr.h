@@ -31,6 +31,7 @@
 #include "libhdr/io/map_scale.h"      // the unit of a map that was written
 #include "libhdr/io/read.h"           // read_photo, read_map, read_info
 #include "libhdr/io/write.h"          // write_map, write_picture, write_photo
+#include "libhdr/io/write_layers.h"   // an EXR with more layers
 
 #include "libhdr/response/calibrate.h"  // calibrate_debevec_malik, provisional_response
 #include "libhdr/response/estimate_noise.h"  // the camera's noise, from the bracket
@@ -75,7 +76,11 @@
 #include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing
 
+#include "libhdr/render/colour_chart.h"  // a grey ball, a colour chart and a chrome ball
+#include "libhdr/render/composite.h"  // objects into a photograph
 #include "libhdr/render/framing.h"  // where a camera must stand to see all of a scene
+#include "libhdr/render/layers.h"  // albedo and depth
+#include "libhdr/render/plane_pose.h"  // a camera from a rectangle on the ground
 #include "libhdr/render/prt.h"  // a mesh's transfer: lit by any probe at once
 #include "libhdr/render/render.h"  // a picture of a scene lit by a probe
 #include "libhdr/render/scene.h"

@@ -17,6 +17,8 @@ void Film::add(std::size_t pixel, const PixelEstimate& estimate, double weight) 
   sum.squares += weight * value * value;
   sum.weight += weight;
   sum.coverage += weight * static_cast<double>(estimate.coverage);
+  sum.ground += weight * estimate.ground;
+  sum.ground_share += weight * static_cast<double>(estimate.ground_share);
   ++sum.passes;
 }
 
@@ -26,6 +28,14 @@ Rgb Film::radiance(std::size_t pixel) const {
 
 float Film::coverage(std::size_t pixel) const {
   return static_cast<float>(pixels_[pixel].coverage / std::max(pixels_[pixel].weight, 1e-300));
+}
+
+Rgb Film::ground(std::size_t pixel) const {
+  return pixels_[pixel].ground / std::max(pixels_[pixel].weight, 1e-300);
+}
+
+float Film::ground_share(std::size_t pixel) const {
+  return static_cast<float>(pixels_[pixel].ground_share / std::max(pixels_[pixel].weight, 1e-300));
 }
 
 Vec3f Film::normal(std::size_t pixel) const {

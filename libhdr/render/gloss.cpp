@@ -57,7 +57,10 @@ class Gloss::Batch {
 };
 
 Gloss::Gloss(const Setting& setting, double share_of_probe)
-    : visibility_(setting.tracer, setting.convex), light_(setting.light), share_(share_of_probe) {}
+    : scene_(setting.scene),
+      visibility_(setting.tracer, setting.convex),
+      light_(setting.light),
+      share_(share_of_probe) {}
 
 void Gloss::begin(const Pass& pass) {
   const ProbeShare shares = probe_share(pass, share_);
@@ -74,7 +77,12 @@ void Gloss::radiance(const Surfaces& at, const Pass& pass, Light& out, std::int6
   surfaces.reserve(at.glossy.size());
   for (const std::int32_t place : at.glossy) {
     const Hit& hit = *at.hits[static_cast<std::size_t>(place)];
-    surfaces.emplace_back(*hit.material, hit.normal, at.viewers[static_cast<std::size_t>(place)]);
+    const Vec3f& viewer = at.viewers[static_cast<std::size_t>(place)];
+    if (hit.material->color_texture || hit.material->surface_texture) {
+      surfaces.emplace_back(material_at(scene_.meshes[hit.mesh], hit.triangle, hit.weights), hit.normal, viewer);
+    } else {
+      surfaces.emplace_back(*hit.material, hit.normal, viewer);
+    }
   }
   Batch batch(at, visibility_, out, rays);
   from_probe(at, pass, surfaces, batch);

@@ -62,6 +62,19 @@ std::int64_t paint_pass(TilePainter& painter, const Pass& pass, Film& film,
       [](std::int64_t& total, std::int64_t part) { total += part; });
 }
 
+void develop_ground(const Film& film, Rendering& result) {
+  const Size size = film.size();
+  result.ground = Image<float>(size, 4);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const std::size_t pixel = film.index(x, y);
+      const Rgb light = film.ground(pixel).min(static_cast<double>(std::numeric_limits<float>::max()));
+      for (int c = 0; c < 3; ++c) result.ground(x, y, c) = static_cast<float>(light[c]);
+      result.ground(x, y, 3) = film.ground_share(pixel);
+    }
+  }
+}
+
 void develop(const Film& film, Rendering& result) {
   const Size size = film.size();
   result.picture.rgb = Image<float>(size, 3);
@@ -130,6 +143,8 @@ Rendering render(const Scene& scene, const Environment& light, const RenderOptio
     result.rays += paint_pass(painter, pass, film, report);
   }
   develop(film, result);
+  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& mesh) { return mesh.material.shadow_catcher; }))
+    develop_ground(film, result);
   result.samples_per_pixel = options.samples;
   result.estimated_error = error_of(film, options.samples);
   if (setting.convex && !painter.exact()) {

@@ -23,6 +23,9 @@ enum class RenderMethod { kAuto, kMc, kImportance, kStructured, kMis, kAo, kSh, 
 std::optional<RenderMethod> render_method_from_name(const std::string& name);
 const char* name_of(RenderMethod method);
 
+/// How wide a pixel's camera rays are spread: evenly over the pixel, or as [Harris78]'s window of three pixels.
+enum class FilmFilter { kBox, kBlackmanHarris };
+
 struct RenderOptions {
   RenderMethod method = RenderMethod::kAuto;
   Size size{640, 480};
@@ -31,6 +34,8 @@ struct RenderOptions {
   /// Of kPrt, one a mesh, which then needs normals. Empty: computed, on the meshes cut finer (tessellated()).
   std::vector<Transfer> transfer = {};
   std::function<void(double done)> progress;  ///< share of the picture, 0..1, from any thread
+  FilmFilter filter = FilmFilter::kBox;
+  bool backdrop = true;  ///< false: black beside the scene; mirrors show the probe all the same
 };
 
 struct Rendering {
@@ -38,7 +43,11 @@ struct Rendering {
   Image<float> normal;  ///< three channels, of the world: mean over the pixel of its surfaces' shading normals
   Image<float>
       variance;  ///< one channel, of the pixel's luminance; 0 where it is not known, after fewer than two passes
-  RenderMethod method{};  ///< what kAuto became
+  /// Of scenes with shadow catchers, else empty: their part of `picture`, three channels, and their share of the pixel,
+  /// which alpha leaves out.
+  Image<float> ground;
+  Image<float> albedo, depth;  ///< where surface_layers() (layers.h) was asked; render() leaves them empty
+  RenderMethod method{};       ///< what kAuto became
   std::int64_t rays = 0;
   double samples_per_pixel = 0;
   /// Rms over fully covered, lit pixels of the standard error of luminance divided by its value, from the spread of the

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libhdr/core/sphere.h"
+#include "libhdr/render/internal/film_filter.h"
 #include "libhdr/render/internal/points.h"
 
 namespace hdr {
@@ -21,6 +22,12 @@ bool any_glossy(const Scene& scene) {
   });
 }
 
+// The diffuse albedo that a ray met.
+Rgbf albedo_at(const Scene& scene, const Hit& hit) {
+  if (!hit.material->color_texture) return hit.material->color;
+  return material_at(scene.meshes[hit.mesh], hit.triangle, hit.weights).color;
+}
+
 double share_of_probe(RenderMethod method) {
   return method == RenderMethod::kMc ? 0 : method == RenderMethod::kImportance ? 1 : 0.5;
 }
@@ -36,7 +43,7 @@ struct TilePainter::Workspace {
   std::vector<Rgbf> carried;   ///< of each place: what mirrors on the way leave of its light
   std::vector<Rgbf> backdrop;  ///< of each place: the probe, seen beside the scene
   std::vector<Vec3f> normals;
-  std::vector<std::uint8_t> covered;
+  std::vector<std::uint8_t> covered, ground;  ///< by objects, and by shadow catchers
   Light irradiance, radiance;
 };
 
@@ -77,7 +84,9 @@ void TilePainter::follow(const Vec3f& towards, int place, std::optional<Hit>& hi
   const auto k = static_cast<std::size_t>(place);
   Vec3f dir = towards;
   Rgbf carried = Rgbf::Ones();
-  work.covered[k] = hit.has_value();
+  work.ground[k] = hit && hit->material->shadow_catcher;
+  work.covered[k] = hit && !hit->material->shadow_catcher;
+  const bool beside = !hit;
   work.normals[k] = hit ? hit->normal : Vec3f(Vec3f::Zero());
   const bool mirrors = !integrator_->openness();
   for (int depth = 0; hit && mirrors && hit->material->kind == MaterialKind::kMirror; ++depth) {
@@ -88,6 +97,7 @@ void TilePainter::follow(const Vec3f& towards, int place, std::optional<Hit>& hi
     hit = setting_.tracer.intersect(hit->position, dir);
   }
   work.carried[k] = carried;
+  if (beside && !setting_.options.backdrop) return;
   if (hit) {
     work.surfaces.set(place, *hit, -dir, integrator_->openness());
   } else {
@@ -100,7 +110,7 @@ void TilePainter::trace(const Pass& pass, int camera_ray, Workspace& work, std::
   const auto number = static_cast<std::uint32_t>(pass.index * pass.camera_rays + camera_ray);
   for (std::size_t k = 0; k < count; ++k) {
     const Vec2 jitter = sobol_point(number, address(pass.seed, work.indices[k], 0, 0));
-    const Vec3f dir = camera_.dir_from_px(work.pixels[k] + jitter);
+    const Vec3f dir = camera_.dir_from_px(work.pixels[k] + filtered_place(setting_.options.filter, jitter));
     work.dir_x[k] = dir.x();
     work.dir_y[k] = dir.y();
     work.dir_z[k] = dir.z();
@@ -127,15 +137,22 @@ void TilePainter::collect(const Pass& pass, Workspace& work, Film& film) const {
       if (integrator_->openness()) {
         radiance = of(work.irradiance);
       } else if (work.surfaces.diffuse[k]) {
-        radiance += of(work.irradiance) * work.surfaces.hits[k]->material->color / static_cast<float>(kPi);
+        radiance += of(work.irradiance) * albedo_at(setting_.scene, *work.surfaces.hits[k]) / static_cast<float>(kPi);
       }
-      estimate.radiance += (work.carried[k] * radiance + work.backdrop[k]).cast<double>();
+      const Rgb seen = (work.carried[k] * radiance + work.backdrop[k]).cast<double>();
+      estimate.radiance += seen;
+      if (work.ground[k]) {
+        estimate.ground += seen;
+        estimate.ground_share += 1;
+      }
       estimate.normal += work.normals[k];
       estimate.coverage += work.covered[k];
     }
     estimate.radiance *= static_cast<double>(share);
     estimate.normal *= share;
     estimate.coverage *= share;
+    estimate.ground *= static_cast<double>(share);
+    estimate.ground_share *= share;
     film.add(work.indices[pixel], estimate, pass.directions);
   }
 }
@@ -160,6 +177,7 @@ int TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8_
   work.backdrop.assign(all, Rgbf::Zero());
   work.normals.assign(all, Vec3f::Zero());
   work.covered.assign(all, 0);
+  work.ground.assign(all, 0);
   work.irradiance.reset(places * pass.camera_rays);
   work.radiance.reset(places * pass.camera_rays);
   for (int ray = 0; ray < pass.camera_rays; ++ray) trace(pass, ray, work, rays);

@@ -42,6 +42,10 @@ constexpr Verb kVerbs[] = {
     {"prt", "light", "a mesh's transfer of light: lit by any probe at once", "hdr prt bunny.obj -o bunny.prt",
      declare_prt},
     {"render", "light", "a test render lit by a probe", "hdr render --probe probe.exr -o render.exr", declare_render},
+    {"composite", "light", "objects into a photograph, with their shadows and its light",
+     "hdr composite --background photo.jpg --probe probe.exr --objects chair.glb --eye 0,1.6,4 --look 0,0.5,0 --fov 60 "
+     "-o composite.png",
+     declare_composite},
     {"tonemap", "pictures", "a map -> a PNG or JPEG to look at", "hdr tonemap probe.exr -o probe.png", declare_tonemap},
     {"fuse", "pictures", "a bracket -> one picture to look at, without a radiance map", "hdr fuse shots/ -o fused.png",
      declare_fuse},
@@ -89,9 +93,9 @@ void finish_answer(Run& run) {
 std::string pixel_options(const CLI::App& app) {
   static constexpr std::string_view kNotPixels[] = {"--threads", "--json",     "--quiet",         "--version",
                                                     "--help",    "--save-map", "--save-response", "--irradiance-map",
-                                                    "-o",        "shots"};
-  static constexpr std::string_view kPaths[] = {"--exposures", "--response", "--probe",
-                                                "--scene",     "--flat",     "--scale-like"};
+                                                    "-o",        "shots",      "--cut-out"};
+  static constexpr std::string_view kPaths[] = {"--exposures",  "--response",   "--probe",   "--scene", "--flat",
+                                                "--scale-like", "--background", "--objects", "--ground"};
   std::set<std::string> seen;
   std::string text;
   for (const CLI::Option* option : app.parse_order()) {

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include "libhdr/core/error.h"
+#include "libhdr/render/composite.h"
+#include "libhdr/render/layers.h"
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/probe_input.h"
+#include "tools/hdr/render_output.h"
 #include "tools/hdr/scene_input.h"
 
 namespace hdr::tools {
@@ -13,29 +16,50 @@ namespace {
 struct Options {
   ProbeInput probe;
   SceneInput scene;
-  std::string output, method = "auto", size = "640x480";
+  RenderOutput output;
+  std::string method = "auto", size = "640x480", filter = "box";
   int samples = 64;
   std::uint64_t seed = 1;
-  WriteFlags write;
 };
+
+// The layers that are no by-product of the render.
+Image<float> add_layers(Run& run, const RenderOutput& output, const Scene& scene, const Environment& light,
+                        RenderOptions settings, Rendering& rendering) {
+  if (output.wants("albedo") || output.wants("depth")) {
+    SurfaceLayers layers = run.stage("layers", [&] { return surface_layers(scene, settings); });
+    rendering.albedo = std::move(layers.albedo);
+    rendering.depth = std::move(layers.depth);
+  }
+  if (!output.wants("ao") || settings.method == RenderMethod::kAo) return {};
+  settings.method = RenderMethod::kAo;
+  settings.transfer.clear();
+  settings.progress = nullptr;
+  settings.backdrop = false;
+  return run.stage("ao", [&] { return std::move(render(scene, light, settings).picture.rgb); });
+}
 
 }  // namespace
 
 std::function<int(Run&)> declare_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->probe.declare(app, false);
-  app.add_option("-o,--output", options->output, "the picture (.exr, RGBA: alpha is coverage)")->required();
+  options->output.declare(app);
   options->scene.declare(app);
   app.add_option("--method", options->method, "auto, mc, importance, structured, mis, ao, sh or prt")
       ->check(CLI::IsMember({"auto", "mc", "importance", "structured", "mis", "ao", "sh", "prt"}))
       ->capture_default_str();
   app.add_option("--samples", options->samples, "a pixel")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--size", options->size, "of the picture")->capture_default_str();
+  app.add_option("--filter", options->filter, "of the film: box is the pixel itself, blackman-harris three pixels wide")
+      ->check(CLI::IsMember({"box", "blackman-harris"}))
+      ->capture_default_str();
   app.add_option("--seed", options->seed, "of the random numbers")->capture_default_str();
-  options->write.declare(app);
   return [options](Run& run) {
     const RenderMethod method = render_method_from_name(options->method).value();
     RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}, {}};
+    settings.filter = options->filter == "box" ? FilmFilter::kBox : FilmFilter::kBlackmanHarris;
+    settings.backdrop = !options->output.transparent;
+    options->output.check();
     SceneInput::Loaded loaded = run.stage("scene", [&] { return options->scene.read(run, settings.size); });
     settings.transfer = std::move(loaded.transfer);
     const Scene& scene = loaded.scene;
@@ -45,9 +69,9 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
     const auto density = both ? Environment::Density::kCompensated : Environment::Density::kLuminance;
     const Environment light =
         run.stage("tables", [&] { return Environment::from_probe(probe.map, probe.projection, 0, density); });
-    const Rendering result = run.stage("render", [&](const Progress& progress) {
+    Rendering result = run.stage("render", [&](const Progress& progress) {
       settings.progress = [&progress](double done) { progress.update(done); };
-      return render(scene, light, settings);
+      return render_on_ground(scene, light, settings);
     });
     if (!result.skipped.empty()) run.clock.skipped(result.skipped);
     const Stage& stage = run.clock.stages().back();
@@ -59,10 +83,9 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
     run.answer["estimated_error"] = result.estimated_error;
     run.say(fmt::format("{}: {} samples a pixel, {:.1f} M rays, estimated error {:.2g}", name_of(result.method),
                         result.samples_per_pixel, static_cast<double>(result.rays) / 1e6, result.estimated_error));
-    run.stage("write", [&] {
-      write_map(options->output, result.picture, provenance_of(run, options->probe.path), options->write.options());
-    });
-    run.say("wrote " + options->output);
+    const Image<float> openness = add_layers(run, options->output, scene, light, settings, result);
+    options->output.save(run, result, openness.empty() ? result.picture.rgb.view() : openness.view(),
+                         provenance_of(run, options->probe.path));
     return 0;
   };
 }

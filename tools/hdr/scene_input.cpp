@@ -8,6 +8,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/render/colour_chart.h"
 #include "libhdr/render/framing.h"
 #include "tools/hdr/options.h"
 #include "tools/hdr/prt_file.h"
@@ -65,10 +66,11 @@ void CameraFlags::apply_to(Camera& camera) const {
 }
 
 void SceneInput::declare(CLI::App& app) {
-  app.add_option(
-      "--scene", scene,
-      "`sphere` is one sphere alone; a mesh (.obj .ply .gltf .glb), or a .prt of `hdr prt` (default: spheres "
-      "on a plane)");
+  app.add_option("--scene", scene,
+                 "`sphere` is one sphere alone, `macbeth` a grey ball, a colour chart and a chrome ball on the probe's "
+                 "own ground; a "
+                 "mesh (.obj .ply .gltf .glb), or a .prt of `hdr prt` (default: spheres "
+                 "on a plane)");
   app.add_option("--material", material,
                  "of a mesh, in place of the file's, and of the sphere: diffuse:ALBEDO, ggx:ROUGHNESS, phong:EXPONENT, "
                  "mirror");
@@ -86,6 +88,8 @@ SceneInput::Loaded SceneInput::read(Run& run, Size picture) const {
     into = spheres_on_plane();
   } else if (scene == "sphere") {
     into = sphere_alone(given);
+  } else if (scene == "macbeth") {
+    into = colour_chart_set();
   } else if (Path(scene).extension() == ".prt") {
     PrtMesh prt = read_prt(scene);
     prt.mesh.material = given;
@@ -100,11 +104,12 @@ SceneInput::Loaded SceneInput::read(Run& run, Size picture) const {
     run.answer["triangles"] = file.triangles;
     if (file.degenerate > 0) run.answer["degenerate"] = file.degenerate;
   } else {
-    throw Error(scene +
-                ": not a scene of this build; leave --scene out for spheres on a plane, or pass sphere, a mesh "
-                "(.obj .ply .gltf .glb) or one with its transfer (.prt)");
+    throw Error(
+        scene +
+        ": not a scene of this build; leave --scene out for spheres on a plane, or pass sphere, macbeth, a mesh "
+        "(.obj .ply .gltf .glb) or one with its transfer (.prt)");
   }
-  const bool built_in = scene.empty() || scene == "sphere";
+  const bool built_in = scene.empty() || scene == "sphere" || scene == "macbeth";
   if (vertical_fov) {
     into.camera.fov_degrees = horizontal_fov(*vertical_fov, aspect);
   } else if (!built_in) {

@@ -67,6 +67,7 @@ std::function<int(Run&)> declare_unclip(CLI::App& app);
 std::function<int(Run&)> declare_prefilter(CLI::App& app);
 std::function<int(Run&)> declare_prt(CLI::App& app);
 std::function<int(Run&)> declare_render(CLI::App& app);
+std::function<int(Run&)> declare_composite(CLI::App& app);
 std::function<int(Run&)> declare_tonemap(CLI::App& app);
 std::function<int(Run&)> declare_fuse(CLI::App& app);
 std::function<int(Run&)> declare_filter(CLI::App& app);

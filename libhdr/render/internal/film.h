@@ -13,6 +13,8 @@ struct PixelEstimate {
   Rgb radiance = Rgb::Zero();
   Vec3f normal = Vec3f::Zero();
   float coverage = 0;
+  Rgb ground = Rgb::Zero();  ///< what of the radiance comes from shadow catchers
+  float ground_share = 0;    ///< of the camera rays
 };
 
 class Film {
@@ -28,6 +30,8 @@ class Film {
   Size size() const { return size_; }
   Rgb radiance(std::size_t pixel) const;
   float coverage(std::size_t pixel) const;
+  Rgb ground(std::size_t pixel) const;
+  float ground_share(std::size_t pixel) const;
   Vec3f normal(std::size_t pixel) const;  ///< mean of the camera rays' normals; 0 where nothing was met
   double weight(std::size_t pixel) const { return pixels_[pixel].weight; }
   /// Of luminance. Of the mean over the passes, from their spread; unknown (nullopt-like: < 0) after fewer than two.
@@ -39,7 +43,8 @@ class Film {
     Rgb radiance = Rgb::Zero();  ///< here and below: sums, weighted
     Vec3f normal = Vec3f::Zero();
     double squares = 0;  ///< of luminance
-    double weight = 0, coverage = 0;
+    Rgb ground = Rgb::Zero();
+    double weight = 0, coverage = 0, ground_share = 0;
     int passes = 0;
   };
   Size size_;

@@ -21,6 +21,7 @@ class Gloss {
   void from_probe(const Surfaces& at, const Pass& pass, const std::vector<Bsdf>& surfaces, Batch& batch) const;
   void from_surfaces(const Surfaces& at, const Pass& pass, const std::vector<Bsdf>& surfaces, Batch& batch) const;
 
+  const Scene& scene_;
   Visibility visibility_;
   const Environment& light_;
   double share_;
