@@ -60,6 +60,7 @@
 #include "libhdr/probe/photographer.h"  // and who stands behind it
 #include "libhdr/probe/reflectance.h"  // what a mirror ball does not give back
 #include "libhdr/probe/projection.h"  // pixels <-> directions
+#include "libhdr/probe/stitch.h"  // photographs from one point as one sphere
 #include "libhdr/probe/test_chart.h"  // a sphere that says which way round it is
 #include "libhdr/probe/unwrap.h"      // from one projection to another
 #include "libhdr/probe/vignetting.h"  // corners that a lens leaves darker

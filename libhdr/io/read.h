@@ -37,6 +37,7 @@ struct PhotoHeader {
   int bits = 8;
   bool lossy = false;
   Exposure exposure;
+  std::optional<double> fov_degrees{};  ///< horizontal, upright, from EXIF's FocalLengthIn35mmFilm where it says one
 };
 PhotoHeader read_photo_header(const Path& path);
 

@@ -44,7 +44,9 @@ Image<T> decode_rows(OIIO::ImageInput& input, const Path& path) {
 PhotoHeader decode_photo_header(const Path& path) {
   const auto input = open_picture(path);
   const OIIO::ImageSpec& spec = input->spec();
-  return {path, upright_size(spec), bits_of(spec, path), is_lossy(*input), exposure_from_exif(*input, path)};
+  PhotoHeader header{path, upright_size(spec), bits_of(spec, path), is_lossy(*input), exposure_from_exif(*input, path)};
+  header.fov_degrees = fov_from_exif(*input, header.size);
+  return header;
 }
 
 Photo decode_photo(const Path& path) {

@@ -26,10 +26,42 @@ double value(const Eigen::Matrix4d& coefficients, double s, double t) {
   return in_t.dot(coefficients * in_s);
 }
 
+/// How far from +Z a lens sees, radians; nullopt: not known.
+std::optional<double> reach_of(const Projection& projection) {
+  if (const auto* lens = std::get_if<Fisheye>(&projection)) return 0.5 * lens->fov_degrees * kDegree;
+  const auto* camera = std::get_if<Rectilinear>(&projection);
+  if (!camera) return std::nullopt;
+  // The frame's edge, at many points: distortion moves where it is farthest.
+  constexpr int kPoints = 64;
+  constexpr double kMargin = 0.02;
+  double least_z = 1;
+  for (int k = 0; k < kPoints; ++k) {
+    const double along = (k + 0.5) / kPoints, w = camera->size.width, h = camera->size.height;
+    for (const Vec2& px : {Vec2(along * w, 0), Vec2(along * w, h), Vec2(0, along * h), Vec2(w, along * h)}) {
+      const auto dir = camera->dir_from_px(px);
+      if (!dir) return std::nullopt;
+      least_z = std::min(least_z, dir->z());
+    }
+  }
+  return std::acos(std::clamp(least_z, -1.0, 1.0)) + kMargin;
+}
+
 }  // namespace
 
 Coordinates::Coordinates(const Neighbourhood& source, const Projection& to, const Mat3& source_from_probe, Size size)
-    : source_(source), to_(to), source_from_probe_(source_from_probe), size_(size) {}
+    : source_(source), to_(to), source_from_probe_(source_from_probe), size_(size) {
+  if (const auto reach = reach_of(source.projection())) lens_reach_ = *reach;
+}
+
+bool Coordinates::shows_nothing(const Tile& tile) const {
+  const auto* map = std::get_if<LatLong>(&to_);
+  if (!map || lens_reach_ > kPi) return false;
+  // Two directions of a lat-long are no further apart than its steps in azimuth and in height say.
+  const double right = kPi * tile.width / map->size.width, down = 0.5 * kPi * tile.height / map->size.height;
+  const Vec2 middle(tile.first_x + 0.5 * tile.width, tile.first_y + 0.5 * tile.height);
+  const Vec3 dir = source_from_probe_ * *map->dir_from_px(middle);
+  return std::acos(std::clamp(dir.z(), -1.0, 1.0)) > lens_reach_ + right + down;
+}
 
 std::optional<Vec2> Coordinates::exact(const Vec2& output_px) const {
   const auto dir = dir_from_px(to_, output_px);

@@ -34,29 +34,31 @@ void require_rotation(const Mat3& rotation) {
 }
 
 /// What all tiles share.
-struct Job {
+struct Shared {
   Neighbourhood neighbourhood;
   SourcePicture bilinear;
   Contrast contrast;
   Coordinates coordinates;
 
-  Job(View<const float> source, const Projection& from, const Projection& to, Size size, const Mat3& source_from_probe)
+  Shared(View<const float> source, const Projection& from, const Projection& to, Size size,
+         const Mat3& source_from_probe)
       : neighbourhood(source, from),
         bilinear(source, from),
         contrast(neighbourhood),
         coordinates(neighbourhood, to, source_from_probe, size) {}
 };
 
-/// One thread's work on tiles.
+/// One thread's work on tiles of the rows from `first_row` on, which `output` has.
 class TileWorker {
  public:
-  TileWorker(const Job& job, View<float> output)
-      : job_(job), output_(output), filter_(job.neighbourhood, job.bilinear, job.contrast) {}
+  TileWorker(const Shared& job, View<float> output, int first_row)
+      : job_(job), output_(output), first_row_(first_row), filter_(job.neighbourhood, job.bilinear, job.contrast) {}
 
   /// A tile that bends too much is tried again in quarters, the smallest pixel
   /// by pixel.
   void write(const Tile& tile) {
     constexpr int kSmallest = 8;
+    if (job_.coordinates.shows_nothing(tile)) return;
     if (const auto polynomial = job_.coordinates.polynomial(tile)) return write_smooth(tile, *polynomial);
     if (std::max(tile.width, tile.height) <= kSmallest) return write_exactly(tile);
     const int w = std::max(1, (tile.width + 1) / 2), h = std::max(1, (tile.height + 1) / 2);
@@ -78,7 +80,7 @@ class TileWorker {
     choose_kernels(polynomial.region, {0, 0, tile.width, tile.height}, bounds);
     const View<const float> source = job_.neighbourhood.pixels();
     for (int row = 0; row < tile.height; ++row) {
-      float* out = output_.pixel(tile.first_x, tile.first_y + row);
+      float* out = output_.pixel(tile.first_x, tile.first_y - first_row_ + row);
       for (int k = 0; k < tile.width; ++k) {
         const int index = row * Tile::kSide + k;
         if (kinds_[index] != KernelKind::kNone) continue;
@@ -136,7 +138,7 @@ class TileWorker {
         if (!place) continue;
         filter_.write(job_.neighbourhood.region_of(place->px), place->px,
                       kernel_shape(place->x_u, place->x_v, place->y_u, place->y_v),
-                      largest_axis(place->x_u, place->x_v, place->y_u, place->y_v), output_.pixel(x, y));
+                      largest_axis(place->x_u, place->x_v, place->y_u, place->y_v), output_.pixel(x, y - first_row_));
       }
     }
   }
@@ -249,8 +251,9 @@ class TileWorker {
     return harsh ? KernelKind::kTent : KernelKind::kSharp;
   }
 
-  const Job& job_;
+  const Shared& job_;
   View<float> output_;
+  int first_row_;
   PixelFilter filter_;
   TilePixels pixels_;
   KernelKind kinds_[TilePixels::kCount];
@@ -273,36 +276,64 @@ Image<float> as_three(View<const float> pixels) {
   return three;
 }
 
-Image<float> first_channels(View<const float> three, int channels) {
-  Image<float> some(three.size(), channels);
-  for_rows(three.height(), 16, [&](int first, int end) {
-    for (int y = first; y < end; ++y) {
-      for (int x = 0; x < three.width(); ++x) std::copy_n(three.pixel(x, y), channels, some.pixel(x, y));
-    }
-  });
-  return some;
+void copy_first_channels(View<const float> three, View<float> some) {
+  for (int y = 0; y < some.height(); ++y) {
+    for (int x = 0; x < some.width(); ++x) std::copy_n(three.pixel(x, y), some.channels(), some.pixel(x, y));
+  }
 }
 
 }  // namespace
 
-Image<float> resample(View<const float> source, const Projection& from, const Projection& to, Size size,
-                      const Mat3& source_from_probe) {
+struct Resampler::Job {
+  Image<float> three;  ///< of a source with fewer channels
+  Size size;
+  Shared shared;
+
+  Job(View<const float> source, const Projection& from, const Projection& to, Size output_size,
+      const Mat3& source_from_probe)
+      : three(source.channels() < 3 ? as_three(source) : Image<float>()),
+        size(output_size),
+        shared(three.empty() ? source : three.view(), from, to, output_size, source_from_probe) {}
+
+  /// All tiles of one row of them.
+  void write(View<float> band, int first_row) const {
+    for (int y = 0; y < band.height(); ++y) std::fill_n(band.row(y), band.width() * band.channels(), 0.0f);
+    TileWorker worker(shared, band, first_row);
+    for (int x = 0; x < size.width; x += Tile::kSide) {
+      worker.write({x, first_row, std::min(Tile::kSide, size.width - x), band.height()});
+    }
+  }
+};
+
+Resampler::Resampler(View<const float> source, const Projection& from, const Projection& to, Size size,
+                     const Mat3& source_from_probe) {
   require_picture(source.size(), "source");
   require_picture(size, "output");
   require_valid(from);
   require_valid(to);
   require_rotation(source_from_probe);
-  if (source.channels() < 3) {
-    return first_channels(resample(as_three(source), from, to, size, source_from_probe), source.channels());
-  }
-  const Job job(source, from, to, size, source_from_probe);
-  Image<float> output(size, source.channels());
-  for_rows(size.height, Tile::kSide, [&](int first, int last) {
-    TileWorker worker(job, output);
-    for (int x = 0; x < size.width; x += Tile::kSide) {
-      worker.write({x, first, std::min(Tile::kSide, size.width - x), last - first});
-    }
+  job_ = std::make_unique<const Job>(source, from, to, size, source_from_probe);
+}
+
+Resampler::~Resampler() = default;
+
+void Resampler::rows(int first, View<float> band) const {
+  static_assert(kGrain == Tile::kSide);
+  HDR_ASSERT(first % kGrain == 0 && first + band.height() <= job_->size.height && band.width() == job_->size.width);
+  for_rows(band.height(), kGrain, [&](int begin, int end) {
+    const View<float> part = band.rows(begin, end);
+    if (job_->three.empty()) return job_->write(part, first + begin);
+    Image<float> wide(part.size(), 3);
+    job_->write(wide, first + begin);
+    copy_first_channels(wide, part);
   });
+}
+
+Image<float> resample(View<const float> source, const Projection& from, const Projection& to, Size size,
+                      const Mat3& source_from_probe) {
+  const Resampler resampler(source, from, to, size, source_from_probe);
+  Image<float> output(size, source.channels());
+  resampler.rows(0, output);
   return output;
 }
 

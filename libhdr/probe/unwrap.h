@@ -1,5 +1,7 @@
 #pragma once
 // Resampling from one projection to another.
+#include <memory>
+
 #include "libhdr/core/radiance.h"
 #include "libhdr/probe/projection.h"
 
@@ -16,6 +18,23 @@ namespace hdr {
 /// negative no result is. Channels as the source. The same bytes for any number of threads.
 Image<float> resample(View<const float> source, const Projection& from, const Projection& to, Size size,
                       const Mat3& source_from_probe = Mat3::Identity());
+
+/// resample() by bands of rows, for who does not keep the whole output: the same bytes. The source must outlive it.
+class Resampler {
+ public:
+  static constexpr int kGrain = 32;  ///< bands begin at multiples of this many rows
+
+  Resampler(View<const float> source, const Projection& from, const Projection& to, Size size,
+            const Mat3& source_from_probe = Mat3::Identity());
+  ~Resampler();
+
+  /// Rows first, first + 1, ... of the output, as many as `band` has.
+  void rows(int first, View<float> band) const;
+
+ private:
+  struct Job;
+  std::unique_ptr<const Job> job_;
+};
 
 /// resample() with the map's tags kept and its projection set to `to`.
 RadianceMap unwrap(const RadianceMap& source, const Projection& from, const Projection& to, Size size,

@@ -33,6 +33,8 @@ constexpr Verb kVerbs[] = {
     {"merge", "radiance maps", "a bracket -> a radiance map", "hdr merge shots/ -o map.exr", declare_merge},
     {"unwrap", "light probes", "from one picture of the sphere to another",
      "hdr unwrap ball.exr -o probe.exr --from mirror-ball --to latlong --width 2048", declare_unwrap},
+    {"stitch", "light probes", "photographs of one place -> the sphere around it",
+     "hdr stitch photos/*.jpg -o probe.exr --width 4096", declare_stitch},
     {"sh", "light", "spherical harmonics and irradiance of a probe", "hdr sh probe.exr -o sh.json", declare_sh},
     {"lights", "light", "a probe as N directional lights", "hdr lights probe.exr -n 64 -o lights.usda", declare_lights},
     {"unclip", "light", "gives clipped suns the light that a meter measured",

@@ -181,15 +181,17 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   shots_options.expects_motion = options.merge.deghost;
   inputs.bracket = read_shots(run, shots_options);
   require_same_terms(options.scale, like, inputs.bracket);
-  const std::string response = response_text(run, options);
-  const std::optional<Response> known = known_response(response, inputs.bracket.bits());
+  const std::string response = options.given_response ? "of the first bracket" : response_text(run, options);
+  const std::optional<Response> known =
+      options.given_response ? options.given_response : known_response(response, inputs.bracket.bits());
   inputs.alignment = align_shots(run, inputs.bracket, known, method);
   inputs.options = options.merge.options();
   inputs.ghost_mask = options.merge.ghost_mask;
   if (known) {
     inputs.response = *known;
     run.stage("calibrate", [] {});
-    run.clock.skipped(options.merge.response == "auto"
+    run.clock.skipped(options.given_response ? "the response is that of the first bracket"
+                      : options.merge.response == "auto"
                           ? "the response is in bracket.json: " + Path(response).filename().string()
                           : "the response was given");
   } else {
@@ -205,6 +207,7 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   inputs.flat = read_flat_field(run, options.merge.flat, inputs.response, inputs.bracket.size());
   inputs.options.flat = inputs.flat;
   inputs.options.exposure_unit = like.exposure_unit;
+  if (options.given_unit) inputs.options.exposure_unit = options.given_unit;
   // The header of a map that is written as it is merged needs the unit beforehand.
   const std::vector<Photo>& shots = inputs.bracket.shots;
   if (!inputs.options.exposure_unit) inputs.options.exposure_unit = shots[(shots.size() - 1) / 2].relative_exposure();

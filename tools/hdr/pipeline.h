@@ -18,6 +18,8 @@ struct MergePipelineOptions {
   MergeFlags merge;
   ScaleFlags scale;
   std::string align = "auto";
+  std::optional<Response> given_response;  ///< of another bracket of the same camera: then nothing is fitted
+  std::optional<double> given_unit;        ///< likewise MergeOptions::exposure_unit
 
   void declare(CLI::App& app);
 };

@@ -60,6 +60,7 @@ std::function<int(Run&)> declare_calibrate(CLI::App& app);
 std::function<int(Run&)> declare_align(CLI::App& app);
 std::function<int(Run&)> declare_merge(CLI::App& app);
 std::function<int(Run&)> declare_unwrap(CLI::App& app);
+std::function<int(Run&)> declare_stitch(CLI::App& app);
 std::function<int(Run&)> declare_probe(CLI::App& app);
 std::function<int(Run&)> declare_sh(CLI::App& app);
 std::function<int(Run&)> declare_lights(CLI::App& app);

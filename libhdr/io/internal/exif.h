@@ -16,6 +16,10 @@ namespace hdr::internal {
 /// is not positive (lenses without contacts write 0) counts as absent.
 Exposure exposure_from_exif(const OIIO::ImageInput& input, const Path& path);
 
+/// The horizontal field of an upright picture of this size, degrees, from FocalLengthIn35mmFilm: the focal length that
+/// gives the same diagonal field on 36 x 24 mm (EXIF 2.3, tag 41989). nullopt: absent, or 0 for unknown.
+std::optional<double> fov_from_exif(const OIIO::ImageInput& input, Size size);
+
 /// Throws Error("FILE: exposure time ... in EXIF; ...") when the time is there and is not a positive number.
 void require_usable_time(const Path& path, const Exposure& exposure);
 

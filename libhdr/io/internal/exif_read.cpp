@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include "libhdr/core/error.h"
 #include "libhdr/io/internal/exif.h"
@@ -79,6 +80,13 @@ Exposure exposure_from_exif(const OIIO::ImageInput& input, const Path& path) {
   exposure.iso = iso_of(spec);
   if (!exposure.iso && std::string(input.format_name()) == "tiff") exposure.iso = iso_of_tiff(path);
   return exposure;
+}
+
+std::optional<double> fov_from_exif(const OIIO::ImageInput& input, Size size) {
+  const auto focal_mm = positive(number(input.spec(), "Exif:FocalLengthIn35mmFilm"));
+  if (!focal_mm) return std::nullopt;
+  const double film_mm = std::hypot(36, 24), focal_px = *focal_mm / film_mm * std::hypot(size.width, size.height);
+  return 360 / std::numbers::pi * std::atan(0.5 * size.width / focal_px);
 }
 
 void require_usable_time(const Path& path, const Exposure& exposure) {

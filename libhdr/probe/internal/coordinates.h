@@ -40,6 +40,10 @@ class Coordinates {
   /// polynomial is off by more than kTolerance source pixels at any of five points.
   std::optional<TilePolynomial> polynomial(const Tile& tile) const;
 
+  /// Whether all of the tile's directions are beyond what a lens sees: then it stays as it is. False where that is not
+  /// certain.
+  bool shows_nothing(const Tile& tile) const;
+
   /// A pixel by itself; one that the output's disc or the source shows in part is where its middlemost shown part is.
   std::optional<Place> place(int x, int y) const;
 
@@ -54,6 +58,7 @@ class Coordinates {
   Projection to_;
   Mat3 source_from_probe_;
   Size size_;
+  double lens_reach_ = 10;  ///< radians from +Z of the source, beyond which it shows nothing
 };
 
 }  // namespace hdr::internal

@@ -1,0 +1,208 @@
+#include "libhdr/probe/internal/photo_links.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/parallel.h"
+#include "libhdr/core/random.h"
+#include "libhdr/core/sphere.h"
+
+namespace hdr::internal {
+namespace {
+
+constexpr int kTries = 200;
+constexpr double kOff = 0.008;    ///< of the longer side: how far a match may be off, distortion included
+constexpr int kMostTested = 250;  ///< matches a pair, in the search
+constexpr std::size_t kLeastMatches = 10;
+
+Vec3 ray_of(const Vec2& px, Size size, double focal) {
+  const double f = focal * longer_side(size);
+  return Vec3(-(px.x() - 0.5 * size.width) / f, -(px.y() - 0.5 * size.height) / f, 1).normalized();
+}
+
+struct Rays {
+  std::vector<Vec3> a, b;
+};
+
+/// The rays of a link's matches, at most `most` of them, evenly chosen.
+Rays rays_of(const PhotoLink& link, const std::vector<Size>& sizes, const std::vector<Features>& features, double focal,
+             std::size_t most) {
+  Rays rays;
+  const auto a = static_cast<std::size_t>(link.a), b = static_cast<std::size_t>(link.b);
+  const std::size_t count = std::min(most, link.matches.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const FeaturePair& pair = link.matches[k * link.matches.size() / count];
+    rays.a.push_back(ray_of(features[a].px[static_cast<std::size_t>(pair.a)], sizes[a], focal));
+    rays.b.push_back(ray_of(features[b].px[static_cast<std::size_t>(pair.b)], sizes[b], focal));
+  }
+  return rays;
+}
+
+/// Two directions as axes: the first, and the plane of both.
+Mat3 axes_of(const Vec3& p, const Vec3& q) {
+  const Vec3 across = p.cross(q).normalized();
+  Mat3 axes;
+  axes << p, across, p.cross(across);
+  return axes;
+}
+
+/// The rotation that brings `b` nearest to `a`, least squares by the singular values [Arun87].
+Mat3 rotation_of(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  Mat3 sum = Mat3::Zero();
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k].transpose();
+  const Eigen::JacobiSVD<Mat3> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 flip = Mat3::Identity();
+  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
+
+struct Consensus {
+  Mat3 a_from_b = Mat3::Identity();
+  double score = 0;  ///< sum over the matches of 1 - (off / allowed)^2, where that is positive
+};
+
+/// A match counts where the chord between its rays is below `allowed`.
+double score_of(const Rays& rays, const Mat3& a_from_b, double allowed) {
+  double score = 0;
+  for (std::size_t k = 0; k < rays.a.size(); ++k) {
+    score += std::max(0.0, 1 - (rays.a[k] - a_from_b * rays.b[k]).squaredNorm() / (allowed * allowed));
+  }
+  return score;
+}
+
+std::vector<std::size_t> inliers_of(const Rays& rays, const Mat3& a_from_b, double allowed) {
+  std::vector<std::size_t> inliers;
+  for (std::size_t k = 0; k < rays.a.size(); ++k) {
+    if ((rays.a[k] - a_from_b * rays.b[k]).norm() < allowed) inliers.push_back(k);
+  }
+  return inliers;
+}
+
+Consensus consensus(const Rays& rays, double allowed, std::uint64_t seed) {
+  Consensus best;
+  const auto count = static_cast<double>(rays.a.size());
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    Random random(seed, 0x57, static_cast<std::uint64_t>(attempt));
+    const auto i = static_cast<std::size_t>(count * random.uniform());
+    const auto j = static_cast<std::size_t>(count * random.uniform());
+    const double apart_a = (rays.a[i] - rays.a[j]).norm(), apart_b = (rays.b[i] - rays.b[j]).norm();
+    constexpr double kLeastApart = 0.02;
+    if (std::min(apart_a, apart_b) < kLeastApart || std::abs(apart_a - apart_b) > 2 * allowed) continue;
+    const Mat3 a_from_b = axes_of(rays.a[i], rays.a[j]) * axes_of(rays.b[i], rays.b[j]).transpose();
+    const double score = score_of(rays, a_from_b, allowed);
+    if (score > best.score) best = {a_from_b, score};
+  }
+  for (int step = 0; step < 3 && best.score > 0; ++step) {
+    std::vector<Vec3> a, b;
+    for (const std::size_t k : inliers_of(rays, best.a_from_b, allowed)) {
+      a.push_back(rays.a[k]);
+      b.push_back(rays.b[k]);
+    }
+    if (a.size() < 3) break;
+    const Mat3 refined = rotation_of(a, b);
+    const double score = score_of(rays, refined, allowed);
+    if (score <= best.score) break;
+    best = {refined, score};
+  }
+  return best;
+}
+
+bool in_frame(const Vec3& ray, Size size, double focal) {
+  if (ray.z() <= 0) return false;
+  const double f = focal * longer_side(size);
+  return std::abs(ray.x() / ray.z()) * f <= 0.5 * size.width && std::abs(ray.y() / ray.z()) * f <= 0.5 * size.height;
+}
+
+void verify(const std::vector<Size>& sizes, const std::vector<Features>& features, double focal, PhotoLink& link) {
+  constexpr double kAlpha = 8, kBeta = 0.3;  // [Brown07]
+  if (link.matches.size() < kLeastMatches) return;
+  const double allowed = kOff / focal;
+  const auto seed = static_cast<std::uint64_t>(link.a) << 20 | static_cast<std::uint64_t>(link.b);
+  link.a_from_b = consensus(rays_of(link, sizes, features, focal, kMostTested), allowed, seed).a_from_b;
+  const Rays all = rays_of(link, sizes, features, focal, link.matches.size());
+  int in_both = 0;
+  for (std::size_t k = 0; k < all.a.size(); ++k) {
+    in_both += in_frame(link.a_from_b * all.b[k], sizes[static_cast<std::size_t>(link.a)], focal) &&
+               in_frame(link.a_from_b.transpose() * all.a[k], sizes[static_cast<std::size_t>(link.b)], focal);
+  }
+  std::vector<FeaturePair> agreeing;
+  for (const std::size_t k : inliers_of(all, link.a_from_b, allowed)) agreeing.push_back(link.matches[k]);
+  link.verified = static_cast<double>(agreeing.size()) > kAlpha + kBeta * in_both;
+  link.matches = std::move(agreeing);
+}
+
+}  // namespace
+
+Rectilinear camera_of(const SharedLens& lens, Size size) {
+  const double f = lens.focal * longer_side(size);
+  return {size, 2 / kDegree * std::atan(0.5 * size.width / f), {lens.k1, lens.k2, 0, 0, 0}};
+}
+
+double link_photos(const std::vector<Size>& sizes, const std::vector<Features>& features, FocalRange range,
+                   std::vector<PhotoLink>& links) {
+  constexpr double kStep = 1.05;
+  std::vector<double> focals;
+  for (double focal = range.least; focal <= range.most * (1 + 1e-9); focal *= kStep) focals.push_back(focal);
+  // The pairs with most matches say it, three a photograph.
+  std::vector<const PhotoLink*> telling;
+  for (const PhotoLink& link : links) {
+    if (link.matches.size() >= kLeastMatches) telling.push_back(&link);
+  }
+  std::stable_sort(telling.begin(), telling.end(),
+                   [](const PhotoLink* p, const PhotoLink* q) { return p->matches.size() > q->matches.size(); });
+  telling.resize(std::min(telling.size(), 3 * sizes.size()));
+  std::vector<double> scores(focals.size(), 0.0);
+  for_rows(static_cast<int>(focals.size()), 1, [&](int first, int) {
+    const auto k = static_cast<std::size_t>(first);
+    for (const PhotoLink* link : telling) {
+      const Rays rays = rays_of(*link, sizes, features, focals[k], kMostTested);
+      const auto seed = static_cast<std::uint64_t>(link->a) << 20 | static_cast<std::uint64_t>(link->b);
+      scores[k] += consensus(rays, kOff / focals[k], seed).score;
+    }
+  });
+  const auto best = std::max_element(scores.begin(), scores.end());
+  const double focal = focals[static_cast<std::size_t>(best - scores.begin())];
+  for_rows(static_cast<int>(links.size()), 1,
+           [&](int first, int) { verify(sizes, features, focal, links[static_cast<std::size_t>(first)]); });
+  return focal;
+}
+
+LinkedGroup largest_group(int photos, const std::vector<PhotoLink>& links) {
+  std::vector<const PhotoLink*> strongest;
+  for (const PhotoLink& link : links) {
+    if (link.verified) strongest.push_back(&link);
+  }
+  std::stable_sort(strongest.begin(), strongest.end(),
+                   [](const PhotoLink* p, const PhotoLink* q) { return p->matches.size() > q->matches.size(); });
+  // Groups grow along the strongest link between two of them [Kruskal56]; each keeps its own axes.
+  std::vector<int> group(static_cast<std::size_t>(photos));
+  std::vector<Mat3> group_from_photo(group.size(), Mat3::Identity());
+  for (std::size_t k = 0; k < group.size(); ++k) group[k] = static_cast<int>(k);
+  for (const PhotoLink* link : strongest) {
+    const auto a = static_cast<std::size_t>(link->a), b = static_cast<std::size_t>(link->b);
+    if (group[a] == group[b]) continue;
+    const Mat3 a_group_from_b_group = group_from_photo[a] * link->a_from_b * group_from_photo[b].transpose();
+    const int from = group[b], to = group[a];
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      if (group[k] != from) continue;
+      group[k] = to;
+      group_from_photo[k] = a_group_from_b_group * group_from_photo[k];
+    }
+  }
+  std::vector<int> count(group.size(), 0);
+  for (const int g : group) ++count[static_cast<std::size_t>(g)];
+  const auto largest = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
+  LinkedGroup result;
+  result.first_from_photo.assign(group.size(), Mat3::Identity());
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    if (group[k] == largest) result.members.push_back(static_cast<int>(k));
+  }
+  const Mat3 first = group_from_photo[static_cast<std::size_t>(result.members.front())];
+  for (const int k : result.members) {
+    result.first_from_photo[static_cast<std::size_t>(k)] =
+        first.transpose() * group_from_photo[static_cast<std::size_t>(k)];
+  }
+  return result;
+}
+
+}  // namespace hdr::internal
