@@ -36,6 +36,7 @@
 #include "libhdr/response/calibrate.h"  // calibrate_debevec_malik, provisional_response
 #include "libhdr/response/estimate_noise.h"  // the camera's noise, from the bracket
 #include "libhdr/response/expose.h"     // expose: radiance -> photograph
+#include "libhdr/response/fragments.h"   // the data behind a response
 #include "libhdr/response/response.h"   // g(Z) = ln f^-1(Z), and its file
 #include "libhdr/response/response_file.h"  // the files of others, too
 

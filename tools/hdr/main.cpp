@@ -95,7 +95,7 @@ void finish_answer(Run& run) {
 std::string pixel_options(const CLI::App& app) {
   static constexpr std::string_view kNotPixels[] = {"--threads", "--json",     "--quiet",         "--version",
                                                     "--help",    "--save-map", "--save-response", "--irradiance-map",
-                                                    "-o",        "shots",      "--cut-out"};
+                                                    "-o",        "shots",      "--cut-out",       "--report"};
   static constexpr std::string_view kPaths[] = {"--exposures",  "--response",   "--probe",   "--scene", "--flat",
                                                 "--scale-like", "--background", "--objects", "--ground"};
   std::set<std::string> seen;

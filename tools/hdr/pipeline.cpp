@@ -11,6 +11,7 @@
 #include "libhdr/io/write.h"
 #include "libhdr/response/response_file.h"
 #include "tools/hdr/flat_field.h"
+#include "tools/hdr/map_digest.h"
 #include "tools/hdr/scale_step.h"
 #include "tools/hdr/shots_output.h"
 
@@ -197,12 +198,12 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   } else {
     Calibration calibration = calibrate_shots(run, inputs.bracket, inputs.alignment, options.calibrate);
     answer_calibration(run, inputs.bracket, calibration);
-    inputs.rms_log_error = calibration.rms_log_error;
     for (std::size_t k = 0; k < calibration.seconds.size(); ++k) {
       inputs.bracket.shots[k].exposure.seconds = calibration.seconds[k];  // as refined
     }
     inputs.options.noise_estimate = calibration.noise;
-    inputs.response = std::move(calibration.response);
+    inputs.response = calibration.response;
+    inputs.fit = std::move(calibration);
   }
   inputs.flat = read_flat_field(run, options.merge.flat, inputs.response, inputs.bracket.size());
   inputs.options.flat = inputs.flat;
@@ -215,9 +216,16 @@ MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options) {
   return inputs;
 }
 
-Merged merge_shots(Run& run, const MergeInputs& inputs) {
+Merged merge_shots(Run& run, const MergeInputs& inputs, MapSink* digest) {
+  MergeOptions merge_options = inputs.options;
+  merge_options.uncertainty = inputs.options.uncertainty || digest;
   Merged merged =
-      run.stage("merge", [&] { return merge(inputs.bracket, inputs.alignment, inputs.response, inputs.options); });
+      run.stage("merge", [&] { return merge(inputs.bracket, inputs.alignment, inputs.response, merge_options); });
+  if (digest) digest->put({0, merged.map.rgb, merged.map.stddev, merged.flags});
+  if (!inputs.options.uncertainty) {
+    merged.map.stddev = {};
+    merged.flags = {};
+  }
   tell_skipped(run, inputs.bracket, merged);
   write_ghost_mask(inputs, merged);
   merged.map.white_luminance =
@@ -225,9 +233,10 @@ Merged merge_shots(Run& run, const MergeInputs& inputs) {
   return merged;
 }
 
-Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options) {
+Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options,
+                     MapSink* digest) {
   if (!inputs.scale.patch.empty()) {  // measured in the map, and said in its header: the map comes first
-    Merged merged = merge_shots(run, inputs);
+    Merged merged = merge_shots(run, inputs, digest);
     run.stage("write", [&] { write_map(output, merged.map, provenance_of(run, inputs), options); });
     return merged;
   }
@@ -243,8 +252,11 @@ Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, co
     const bool uncertainty = inputs.options.uncertainty;
     const MapHeader header{inputs.bracket.size(), {}, inputs.white_luminance, {}, uncertainty, uncertainty};
     const auto writer = open_map_rows(output, header, provenance_of(run, inputs), options);
-    TimedSink sink(*writer, timed);
-    MergeSummary summary = merge_rows(inputs.bracket, inputs.alignment, inputs.response, inputs.options, sink);
+    TimedSink timed_sink(*writer, timed);
+    DigestingSink sink(digest, timed_sink, uncertainty);
+    MergeOptions merge_options = inputs.options;
+    merge_options.uncertainty = uncertainty || digest;
+    MergeSummary summary = merge_rows(inputs.bracket, inputs.alignment, inputs.response, merge_options, sink);
     timed([&] { writer->finish(); });
     return summary;
   });

@@ -28,7 +28,7 @@ struct MergePipelineOptions {
 struct MergeInputs {
   Bracket bracket;
   Response response;
-  std::optional<double> rms_log_error;  ///< of the fit; nothing when the response was given
+  std::optional<Calibration> fit;  ///< nothing when the response was given; its response is the one above
   Alignment alignment;
   MergeOptions options;  ///< with its exposure unit
   Image<float> flat;     ///< what options.flat views
@@ -49,10 +49,12 @@ Calibration calibrate_shots(Run& run, const Bracket& bracket, const Alignment& a
 
 /// Reads, aligns and calibrates.
 MergeInputs prepare_merge(Run& run, const MergePipelineOptions& options);
-/// The map in memory.
-Merged merge_shots(Run& run, const MergeInputs& inputs);
+/// The map in memory. `digest`, which may be none, gets all rows with their deviations and flags, whatever was asked
+/// for.
+Merged merge_shots(Run& run, const MergeInputs& inputs, MapSink* digest = nullptr);
 /// The map on the disk, written as its rows come: `merged.map` is empty.
-Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options);
+Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, const WriteOptions& options,
+                     MapSink* digest = nullptr);
 
 /// Version, options, shots with their exposures (names without folders).
 Provenance provenance_of(const Run& run, const MergeInputs& inputs);

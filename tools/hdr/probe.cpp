@@ -1,17 +1,36 @@
 // The main job in one line: bracketed photographs of a mirror ball -> a light probe.
+#include <fmt/format.h>
+
 #include "libhdr/io/output_file.h"
 #include "libhdr/response/response_file.h"
 #include "tools/hdr/pipeline.h"
+#include "tools/hdr/report_merge.h"
+#include "tools/hdr/report_probe.h"
 #include "tools/hdr/scale_step.h"
 #include "tools/hdr/unwrap_step.h"
 
 namespace hdr::tools {
+namespace {
+
+void write_report(const ReportFlag& flag, const Run& run, const MergeInputs& inputs, const Merged& merged,
+                  const MapDigest& digest, const RadianceMap& probe) {
+  report::Page page("hdr probe", fmt::format("{} shots as a light probe of {} x {} pixels", inputs.bracket.shots.size(),
+                                             probe.size().width, probe.size().height));
+  add_warnings(page, run);
+  add_probe(page, probe);
+  add_merge(page, run, inputs, merged, digest, drawing_of_ball(run.answer));
+  add_stages(page, run);
+  page.write(flag.path);
+}
+
+}  // namespace
 
 std::function<int(Run&)> declare_probe(CLI::App& app) {
   struct Options {
     MergePipelineOptions pipeline;
     UnwrapFlags unwrap;
     WriteFlags write;
+    ReportFlag report;
     std::string output, response_output, map_output;
   };
   auto options = std::make_shared<Options>();
@@ -22,9 +41,13 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
   app.add_option("--save-map", options->map_output, "also write the merged radiance map");
   options->unwrap.declare(app);
   options->write.declare(app);
+  options->report.declare(app);
   return [options](Run& run) {
+    options->report.check();
     const MergeInputs inputs = prepare_merge(run, options->pipeline);
-    Merged merged = merge_shots(run, inputs);
+    std::optional<MapDigest> digest;
+    if (options->report.wanted()) digest.emplace(inputs.bracket.size());
+    Merged merged = merge_shots(run, inputs, digest ? &*digest : nullptr);
     answer_merge(run, inputs, merged);
     const std::string reference = run.answer["reference"];
     options->unwrap.correct_vignetting(merged.map);
@@ -36,11 +59,12 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
       if (!options->map_output.empty())
         write_map(options->map_output, merged.map, provenance, options->write.options());
       if (!options->response_output.empty()) {
-        write_text(options->response_output,
-                   text_from_response(inputs.response, options->response_output, inputs.rms_log_error.value_or(0)));
+        write_text(options->response_output, text_from_response(inputs.response, options->response_output,
+                                                                inputs.fit ? inputs.fit->rms_log_error : 0));
       }
     });
     run.say("wrote " + options->output);
+    if (digest) run.stage("report", [&] { write_report(options->report, run, inputs, merged, *digest, probe); });
     return 0;
   };
 }

@@ -8,6 +8,7 @@
 #include "tools/hdr/pipeline.h"
 #include "tools/hdr/probe_input.h"
 #include "tools/hdr/render_output.h"
+#include "tools/hdr/report_probe.h"
 #include "tools/hdr/scene_input.h"
 
 namespace hdr::tools {
@@ -20,6 +21,7 @@ struct Options {
   std::string method = "auto", size = "640x480", filter = "box";
   int samples = 64;
   std::uint64_t seed = 1;
+  ReportFlag report;
 };
 
 // The layers that are no by-product of the render.
@@ -54,7 +56,9 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
       ->check(CLI::IsMember({"box", "blackman-harris"}))
       ->capture_default_str();
   app.add_option("--seed", options->seed, "of the random numbers")->capture_default_str();
+  options->report.declare(app);
   return [options](Run& run) {
+    options->report.check();
     const RenderMethod method = render_method_from_name(options->method).value();
     RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}, {}};
     settings.filter = options->filter == "box" ? FilmFilter::kBox : FilmFilter::kBlackmanHarris;
@@ -86,6 +90,7 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
     const Image<float> openness = add_layers(run, options->output, scene, light, settings, result);
     options->output.save(run, result, openness.empty() ? result.picture.rgb.view() : openness.view(),
                          provenance_of(run, options->probe.path));
+    if (options->report.wanted()) run.stage("report", [&] { write_render_report(options->report, run, result); });
     return 0;
   };
 }

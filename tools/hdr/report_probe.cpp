@@ -1,0 +1,84 @@
+#include "tools/hdr/report_probe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "libhdr/filter/tonemap.h"
+#include "libhdr/probe/projection.h"
+#include "libhdr/probe/unwrap.h"
+#include "tools/hdr/report/html.h"
+#include "tools/hdr/report/picture.h"
+#include "tools/hdr/report/probe_view.h"
+
+namespace hdr::tools {
+namespace {
+
+constexpr int kWidest = 1024;  ///< of the lat-long in the page
+constexpr int kRenderPixels = 640 * 480;
+
+/// Relative deviation of luminance as light: 1 is 100 %.
+Image<float> relative_deviation(const RadianceMap& picture) {
+  Image<float> out(picture.size(), 3);
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      const float *p = picture.rgb.pixel(x, y), *s = picture.stddev.pixel(x, y);
+      const float value = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
+      const float deviation = 0.2126f * s[0] + 0.7152f * s[1] + 0.0722f * s[2];
+      std::fill_n(out.pixel(x, y), 3, value > 0 ? deviation / value : 0.0f);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_probe(report::Page& page, const RadianceMap& probe) {
+  const std::optional<Projection> from = projection_from_text(probe.projection, probe.size());
+  if (!from) return;
+  const auto* latlong = std::get_if<LatLong>(&*from);
+  const int width = latlong ? std::min(kWidest, probe.size().width) : kWidest;
+  const Size size{width, std::max(1, width / 2)};
+  const Image<float> shown = resample(probe.rgb, *from, LatLong{size}, size);
+  page.add(
+      {"probe", "The light probe",
+       html_of(report::ProbeView{"viewer", shown, metered_stops(shown)}, page) +
+           "<p>Left: white paint (albedo .8), from nine harmonics a channel. Middle: gold, from the levels blurred for "
+           "its roughness. Right: a mirror, which shows the others too. No shadows between them.</p>\n"});
+}
+
+std::string drawing_of_ball(const Json& answer) {
+  if (!answer.contains("ball")) return {};
+  const double cx = answer["ball"]["cx"], cy = answer["ball"]["cy"], r = answer["ball"]["r"];
+  return fmt::format(
+      "<circle class=\"c1\" cx=\"{0:.2f}\" cy=\"{1:.2f}\" r=\"{2:.2f}\"/><path class=\"c1\" d=\"M{3:.2f} "
+      "{1:.2f}H{4:.2f}M"
+      "{0:.2f} {5:.2f}V{6:.2f}\"/>",
+      cx, cy, r, cx - r / 10, cx + r / 10, cy - r / 10, cy + r / 10);
+}
+
+void write_render_report(const ReportFlag& flag, const Run& run, const Rendering& result) {
+  const RadianceMap& picture = result.picture;
+  report::Page page("hdr render",
+                    fmt::format("{} x {} pixels by {}, estimated error {}", picture.size().width, picture.size().height,
+                                name_of(result.method), report::number(result.estimated_error, 2)));
+  add_warnings(page, run);
+  report::Facts facts;
+  facts.add("method", name_of(result.method));
+  facts.add("samples a pixel", report::number(result.samples_per_pixel, 4));
+  facts.add("rays", report::number(static_cast<double>(result.rays) / 1e6, 3) + " M");
+  facts.add("estimated error", report::number(100 * result.estimated_error, 2) + " %");
+  const Image<float> small = report::reduced(picture.rgb.view(), kRenderPixels);
+  std::string html = facts.html() + html_of(report::Picture{"picture", small, metered_stops(small), {}, {}, {}}, page);
+  page.add({"picture-section", "The picture", html});
+  if (!picture.stddev.empty()) {
+    const Image<float> error = report::reduced(relative_deviation(picture).view(), kRenderPixels);
+    page.add({"error-section", "Where it is unsure",
+              "<p>Standard deviation of luminance over its value: 1 is 100 %.</p>\n" +
+                  html_of(report::Picture{"error", error, metered_stops(error), {}, {}, {}}, page)});
+  }
+  add_stages(page, run);
+  page.write(flag.path);
+}
+
+}  // namespace hdr::tools
