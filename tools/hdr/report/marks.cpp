@@ -41,13 +41,29 @@ std::string line(const Series& series, const Frame& frame) {
                      path);
 }
 
+/// A point as large to the eye whatever its shape.
+std::string dot(int shape, double x, double y, double r, const std::string& inside) {
+  if (shape == 0) return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\">{}</circle>", x, y, r, inside);
+  std::string path;
+  if (shape == 1) {
+    const double a = 0.9 * r;
+    path = fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}Z", x - a, y - a, 2 * a, 2 * a, -2 * a);
+  } else if (shape == 2) {
+    path = fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}Z", x, y - 1.3 * r, 1.2 * r, 2.1 * r, -2.4 * r);
+  } else {
+    const double a = 1.3 * r;
+    path = fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}Z", x, y - a, a, a, -a, a, -a, -a);
+  }
+  return fmt::format("<path d=\"{}\">{}</path>", path, inside);
+}
+
 std::string points(const Series& series, const Frame& frame) {
   std::string out = fmt::format("<g class=\"{}\">", classes(series, "points"));
   const double radius = series.x.size() > 200 ? 1.5 : series.x.size() > 40 ? 2.2 : 3.5;
   for (std::size_t k = 0; k < series.x.size(); ++k) {
     const double x = frame.x(series.x[k]), y = frame.y(series.y[k]);
     if (!std::isfinite(x) || !std::isfinite(y)) continue;
-    out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\">{}</circle>", x, y, radius, note(series, k));
+    out += dot(series.shape, x, y, radius, note(series, k));
   }
   return out + "</g>";
 }
@@ -132,6 +148,8 @@ std::string svg_of(const Series& series, const Frame& frame) {
   switch (series.mark) {
     case Mark::kPoints:
       return points(series, frame);
+    case Mark::kCurve:
+      return line(series, frame) + points(series, frame);
     case Mark::kSteps:
       return steps(series, frame);
     case Mark::kBand:
@@ -152,6 +170,16 @@ std::string swatch_of(const Series& series) {
   Frame frame{{false, 0, 22, 0, 22}, {false, 0, 12, 0, 12}, 0, 0, 22, 12};
   small.x = {1, 21};
   small.y = {6, 6};
+  if (series.mark == Mark::kCurve) {
+    small.x = {1, 11, 21};
+    small.y = {6, 6, 6};
+    Series mark = small;
+    mark.mark = Mark::kPoints;
+    mark.x = {11}, mark.y = {6};
+    small.mark = Mark::kLine;
+    return "<svg class=\"swatch\" viewBox=\"0 0 22 12\" width=\"22\" height=\"12\" aria-hidden=\"true\">" +
+           svg_of(small, frame) + svg_of(mark, frame) + "</svg>";
+  }
   if (series.mark == Mark::kPoints) small.x = {11}, small.y = {6};
   if (series.mark == Mark::kSteps) small.y = {2};
   if (series.mark == Mark::kBand) small.y = {2, 2}, small.low = {10, 10};

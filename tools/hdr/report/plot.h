@@ -19,6 +19,7 @@ Colour colour_in_turn(std::size_t k);
 enum class Mark {
   kLine,
   kPoints,
+  kCurve,  ///< points, each a mark of the series' shape, and a thin line through them
   kSteps,  ///< y[k] from x[k] to x[k + 1] (x one longer than y), filled down to the axis
   kBand,   ///< between low[k] and y[k]
   kSpans,  ///< from low[k] to x[k] at height y[k]: bars that lie
@@ -33,6 +34,7 @@ struct Series {
   std::vector<double> x, y;
   std::vector<double> low, high;   ///< as the mark says
   int dash = 0;                    ///< of lines: 0 none, 1 .. 3
+  int shape = 0;                   ///< of points: 0 disc, 1 square, 2 triangle, 3 diamond
   std::vector<std::string> notes;  ///< a text for each point, shown under the pointer; may be empty
 };
 
