@@ -10,8 +10,9 @@ HDR_BUILD_PACKAGES=(build-essential cmake ninja-build pkg-config ccache
 # What its tests need besides.
 HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)
 
-# What the programs of tests/bench measure against; without it they run, and say that the rival is not there.
-HDR_BENCH_PACKAGES=(libopencv-photo-dev)
+# What `hdr bench` and the programs of tests/bench measure against, and with; without it they run, and say what is not
+# there. Other rivals are looked for when they run: pfstools, luminance-hdr, openimageio-tools, blender.
+HDR_BENCH_PACKAGES=(libopencv-photo-dev libbenchmark-dev)
 
 # What its tests with real camera drivers need besides (tests/camera): cameras through libcamera, and a virtual machine,
 # whose kernel is fetched but not installed. Without them those tests are skipped, and say so.

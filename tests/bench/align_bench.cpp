@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "libhdr/align/align.h"
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
-#include "libhdr/core/random.h"
 #include "libhdr/io/bracket.h"
 #include "libhdr/response/calibrate.h"
 #include "tests/bench/brackets.h"
 #include "tests/bench/film.h"
+#include "tests/bench/hand_shake.h"
 #include "tests/bench/rivals/rival.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/support/support.h"
@@ -29,43 +28,6 @@ struct Options {
   int shots = 9, seeds = 3, first_seed = 1, repeats = 2, threads = 0;
   double step = 2, shift = 12, turn = 0.2;
 };
-
-/// A turn about the middle and a shift, uniform to the given ends; the middle shot stays.
-std::vector<Mat3> hand_shake(const Options& o, Size size, std::uint64_t seed) {
-  Random random(seed, 0xa119);
-  const Vec2 middle(0.5 * (size.width - 1), 0.5 * (size.height - 1));
-  std::vector<Mat3> motions;
-  for (int k = 0; k < o.shots; ++k) {
-    const double angle = o.turn * std::numbers::pi / 180 * (2 * random.uniform() - 1);
-    const double x = o.shift * (2 * random.uniform() - 1), y = o.shift * (2 * random.uniform() - 1);
-    const Eigen::Affine2d motion =
-        Eigen::Translation2d(middle + Vec2(x, y)) * Eigen::Rotation2Dd(angle) * Eigen::Translation2d(-middle);
-    motions.push_back(k == (o.shots - 1) / 2 ? Mat3(Mat3::Identity()) : Mat3(motion.matrix()));
-  }
-  return motions;
-}
-
-/// Distances between the true and the found motion over the picture, sorted.
-std::vector<double> distances(const Mat3& truth, const Mat3& found, Size size) {
-  std::vector<double> all;
-  for (int k = 0; k < 63; ++k) {
-    const Vec3 p((size.width - 1) * (k % 9) / 8.0, (size.height - 1) * (k / 9) / 6.0, 1);
-    all.push_back(((truth * p).hnormalized() - (found * p).hnormalized()).norm());
-  }
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-double usable_share(const Photo& photo) {
-  const auto& codes = std::get<Image<std::uint8_t>>(photo.codes);
-  std::int64_t usable = 0;
-  for (int y = 0; y < codes.height(); ++y) {
-    for (const std::uint8_t* p = codes.row(y); p != codes.row(y) + codes.row_samples(); p += 3) {
-      usable += std::min({p[0], p[1], p[2]}) >= 5 && std::max({p[0], p[1], p[2]}) <= 250;
-    }
-  }
-  return static_cast<double>(usable) / (static_cast<double>(codes.width()) * codes.height());
-}
 
 /// Medians over the picture of the shots that show enough, the reference left out.
 struct Score {
@@ -90,7 +52,7 @@ Score score(const std::vector<Mat3>& scene_from_photo, const std::vector<Mat3>& 
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (k == reference || shares[k] < kFewestUsable) continue;
     const Mat3 truth = scene_from_photo[reference].inverse() * scene_from_photo[k];
-    const std::vector<double> all = distances(truth, found[k], size);
+    const std::vector<double> all = motion_distances(truth, found[k], size);
     score.medians.push_back(all[all.size() / 2]);
     score.worst_corner = std::max(score.worst_corner, all.back());
   }
@@ -102,7 +64,7 @@ void print_rows(const Bracket& bracket, const Alignment& ours, const std::vector
   const auto reference = static_cast<std::size_t>(ours.reference);
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {
     const Mat3 ref_from_photo = truth[reference].inverse() * truth[k];
-    const std::vector<double> all = distances(ref_from_photo, ours.frames[k].ref_from_photo, bracket.size());
+    const std::vector<double> all = motion_distances(ref_from_photo, ours.frames[k].ref_from_photo, bracket.size());
     fmt::print("    {} usable {:.3f} off {:7.3f} (farthest {:7.3f}) residual {:7.3f} inliers {:.2f} {}\n",
                bracket.shots[k].path.filename().string(), shares[k], all[all.size() / 2], all.back(),
                ours.frames[k].residual_px, ours.frames[k].inliers, ours.frames[k].skipped);
@@ -127,7 +89,7 @@ void bench_bracket(const Options& o, Size size, std::uint64_t seed, const Path& 
   plan.format = o.format;
   plan.seed = seed;
   plan.map = map;
-  plan.scene_from_photo = hand_shake(o, size, seed);
+  plan.scene_from_photo = hand_shake(size, o.shots, o.shift, o.turn, seed);
   photograph(plan, scratch.path());
   const Bracket bracket = read_bracket({scratch.path()});
   std::vector<double> shares;

@@ -11,7 +11,7 @@
 #include "libhdr/io/read.h"
 #include "libhdr/io/write.h"
 #include "libhdr/response/expose.h"
-#include "tests/support/support.h"
+#include "tests/support/scene.h"
 
 namespace hdr::bench {
 namespace {

@@ -1,6 +1,5 @@
 // Reading, writing and filtering maps against OpenImageIO and OpenCV doing the same, in one run. Every answer is
 // checked before it is timed.
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,10 +9,11 @@
 
 #include "libhdr/core/internal/opencv.h"
 #include "libhdr/core/parallel.h"
-#include "libhdr/core/random.h"
 #include "libhdr/filter/blur.h"
 #include "libhdr/io/read.h"
 #include "libhdr/io/write.h"
+#include "tests/bench/exact_gaussian.h"
+#include "tests/bench/rivals/openimageio.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/support/support.h"
 
@@ -34,28 +34,6 @@ void race(const std::string& what, int repeats, double bound, const std::functio
   all_met &= ratio <= bound;
   fmt::print("{:<34} ours {:7.3f} theirs {:7.3f} CPU s: {:.2f} x, must be <= {:.2f}: {}\n", what, a.least().cpu,
              b.least().cpu, ratio, bound, ratio <= bound ? "met" : "MISSED");
-}
-
-Image<float> read_by_oiio(const Path& path) {
-  const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) throw Error(OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
-  Image<float> image(spec.width, spec.height, spec.nchannels);
-  const auto step = static_cast<OIIO::stride_t>(sizeof(float));
-  input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.row(0), step * spec.nchannels,
-                    step * image.stride());
-  return image;
-}
-
-void write_by_oiio(const Path& path, const Image<float>& map, bool half, const std::string& compression) {
-  OIIO::ImageSpec spec(map.width(), map.height(), 3, half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
-  if (!compression.empty()) spec.attribute("compression", compression);
-  const auto output = OIIO::ImageOutput::create(path.string());
-  const auto step = static_cast<OIIO::stride_t>(sizeof(float));
-  if (!output->open(path.string(), spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, map.row(0), 3 * step, step * map.stride()) || !output->close()) {
-    throw Error(output->geterror());
-  }
 }
 
 void bench_files(const RadianceMap& map, int repeats, const Path& folder) {
@@ -88,38 +66,6 @@ void bench_files(const RadianceMap& map, int repeats, const Path& folder) {
   }
 }
 
-/// The sampled Gaussian of one pixel, in double.
-double exact_gaussian(const Image<float>& map, int x, int y, int c, double sigma) {
-  const int reach = static_cast<int>(std::ceil(8 * sigma));
-  const auto mirrored = [](int i, int n) {
-    while (i < 0 || i >= n) i = i < 0 ? -1 - i : 2 * n - 1 - i;
-    return i;
-  };
-  double sum = 0, total = 0;
-  for (int dy = -reach; dy <= reach; ++dy) {
-    const float* row = map.row(mirrored(y + dy, map.height()));
-    const double wy = std::exp(-0.5 * dy * dy / (sigma * sigma));
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const double w = wy * std::exp(-0.5 * dx * dx / (sigma * sigma));
-      sum += w * row[3 * mirrored(x + dx, map.width()) + c];
-      total += w;
-    }
-  }
-  return sum / total;
-}
-
-double worst_error(const Image<float>& map, const Image<float>& blurred, double sigma) {
-  double worst = 0;
-  Random random(5, 0);
-  for (int k = 0; k < 12; ++k) {
-    const int x = static_cast<int>(random.uniform() * map.width()),
-              y = static_cast<int>(random.uniform() * map.height());
-    const double truth = exact_gaussian(map, x, y, 1, sigma);
-    worst = std::max(worst, std::abs(blurred(x, y, 1) - truth) / truth);
-  }
-  return worst;
-}
-
 double energy(const Image<float>& map) {
   double sum = 0;
   for (int y = 0; y < map.height(); ++y) {
@@ -141,7 +87,7 @@ void bench_filters(const Image<float>& map, int repeats) {
   const double before = energy(map);
   for (const double sigma : {2.0, 10.0, 50.0}) {
     const Image<float> blurred = gaussian_blur(map, sigma);
-    const double error = worst_error(map, blurred, sigma), kept = energy(blurred) / before;
+    const double error = worst_gaussian_error(map, blurred, sigma), kept = energy(blurred) / before;
     all_met &= error < 1e-3 && std::abs(kept - 1) < 1e-3;
     fmt::print("Gaussian {:g}: {:.1e} from the exact result at worst of 12 pixels, energy {:.6f}\n", sigma, error,
                kept);

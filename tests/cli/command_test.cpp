@@ -6,7 +6,7 @@ namespace {
 
 const char* const kVerbs[] = {"info",    "simulate", "shoot",     "calibrate", "align",   "merge",
                               "unwrap",  "probe",    "sh",        "render",    "tonemap", "diff",
-                              "cameras", "lights",   "prefilter", "prt",       "unclip"};
+                              "cameras", "lights",   "prefilter", "prt",       "unclip",  "bench"};
 
 TEST(Command, AlonePrintsAMapOfEveryVerb) {
   const CommandResult result = run_hdr({});

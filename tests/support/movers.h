@@ -8,7 +8,7 @@
 #include "libhdr/core/random.h"
 #include "libhdr/core/vec.h"
 #include "libhdr/response/expose.h"
-#include "tests/support/support.h"
+#include "tests/support/scene.h"
 
 namespace hdr::test {
 

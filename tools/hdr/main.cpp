@@ -55,6 +55,8 @@ constexpr Verb kVerbs[] = {
      declare_filter},
     {"convert", "pictures", "the same light in another format", "hdr convert map.hdr map.exr", declare_convert},
     {"diff", "pictures", "how far apart two maps are", "hdr diff probe.exr truth.exr --scale channel", declare_diff},
+    {"bench", "this machine", "time against error of every stage, with the rivals that are installed",
+     "hdr bench sh lights --quick", declare_bench},
 };
 
 void print_map() {

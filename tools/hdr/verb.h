@@ -74,5 +74,6 @@ std::function<int(Run&)> declare_fuse(CLI::App& app);
 std::function<int(Run&)> declare_filter(CLI::App& app);
 std::function<int(Run&)> declare_convert(CLI::App& app);
 std::function<int(Run&)> declare_diff(CLI::App& app);
+std::function<int(Run&)> declare_bench(CLI::App& app);
 
 }  // namespace hdr::tools

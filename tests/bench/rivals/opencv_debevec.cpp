@@ -17,32 +17,79 @@ cv::Mat mat_of(const Photo& photo) {
           static_cast<std::size_t>(codes->stride())};
 }
 
+Response response_of(const cv::Mat& exposures) {
+  Response response;
+  for (int c = 0; c < 3; ++c) {
+    for (int code = 0; code < 256; ++code) {
+      response.g[static_cast<std::size_t>(c)].push_back(std::log(exposures.at<cv::Vec3f>(code)[c]));
+    }
+  }
+  return response;
+}
+
+/// Code values as OpenCV takes a response: 256 x 1 x 3 exposures.
+cv::Mat mat_from_response(const Response& response) {
+  cv::Mat exposures(256, 1, CV_32FC3);
+  for (int code = 0; code < 256; ++code) {
+    for (int c = 0; c < 3; ++c) {
+      exposures.at<cv::Vec3f>(code)[c] = static_cast<float>(response.exposure(c, code));
+    }
+  }
+  return exposures;
+}
+
+struct Inputs {
+  std::vector<cv::Mat> shots;
+  std::vector<float> seconds;
+};
+
+Inputs inputs_of(const Bracket& bracket, int threads) {
+  cv::setNumThreads(threads);
+  Inputs inputs;
+  for (const Photo& photo : bracket.shots) {
+    inputs.shots.push_back(mat_of(photo));
+    inputs.seconds.push_back(static_cast<float>(*photo.exposure.seconds));
+  }
+  return inputs;
+}
+
+}  // namespace
+
+Response opencv_debevec_response(const Bracket& bracket, int samples, int threads) {
+  Inputs in = inputs_of(bracket, threads);
+  cv::Mat exposures;
+  cv::createCalibrateDebevec(samples, 10)->process(in.shots, exposures, in.seconds);
+  return response_of(exposures);
+}
+
+Response opencv_robertson_response(const Bracket& bracket, int rounds, int threads) {
+  Inputs in = inputs_of(bracket, threads);
+  cv::Mat exposures;
+  cv::createCalibrateRobertson(rounds, 0.01f)->process(in.shots, exposures, in.seconds);
+  return response_of(exposures);
+}
+
+RivalAnswer opencv_merge(const Bracket& bracket, const Response& response, OpenCvMerge method, int threads) {
+  Inputs in = inputs_of(bracket, threads);
+  const auto map = std::make_shared<cv::Mat>();
+  const cv::Mat exposures = mat_from_response(response);
+  if (method == OpenCvMerge::kDebevec) {
+    cv::createMergeDebevec()->process(in.shots, *map, in.seconds, exposures);
+  } else {
+    cv::createMergeRobertson()->process(in.shots, *map, in.seconds, exposures);
+  }
+  return {map, {map->ptr<float>(), map->cols, map->rows, 3, static_cast<std::ptrdiff_t>(map->step1())}, response};
+}
+
+namespace {
+
 class OpenCvDebevec : public Rival {
  public:
   std::string name() const override { return "OpenCV Debevec"; }
 
   RivalAnswer run(const Bracket& bracket, int threads) const override {
-    cv::setNumThreads(threads);
-    std::vector<cv::Mat> shots;
-    std::vector<float> seconds;
-    for (const Photo& photo : bracket.shots) {
-      shots.push_back(mat_of(photo));
-      seconds.push_back(static_cast<float>(*photo.exposure.seconds));
-    }
-    cv::Mat exposures;  // 256 x 1 x 3: f^-1(code)
-    cv::createCalibrateDebevec(70, 10)->process(shots, exposures, seconds);
-    const auto map = std::make_shared<cv::Mat>();
-    cv::createMergeDebevec()->process(shots, *map, seconds, exposures);
-
-    RivalAnswer answer;
-    answer.map = {map->ptr<float>(), map->cols, map->rows, 3, static_cast<std::ptrdiff_t>(map->step1())};
-    answer.owner = map;
-    for (int c = 0; c < 3; ++c) {
-      for (int code = 0; code < 256; ++code) {
-        answer.response.g[static_cast<std::size_t>(c)].push_back(std::log(exposures.at<cv::Vec3f>(code)[c]));
-      }
-    }
-    return answer;
+    const Response fitted = opencv_debevec_response(bracket, 70, threads);
+    return opencv_merge(bracket, fitted, OpenCvMerge::kDebevec, threads);
   }
 };
 

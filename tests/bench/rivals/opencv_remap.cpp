@@ -30,13 +30,14 @@ OpenCvRemap::OpenCvRemap(Size output, const std::function<Vec2(int x, int y)>& s
 
 OpenCvRemap::~OpenCvRemap() = default;
 
-void OpenCvRemap::run(View<const float> source, View<float> output, int threads) const {
+void OpenCvRemap::run(View<const float> source, View<float> output, int threads, RemapKernel kernel) const {
+  constexpr int kCodes[] = {cv::INTER_NEAREST, cv::INTER_LINEAR, cv::INTER_CUBIC, cv::INTER_LANCZOS4};
   cv::setNumThreads(threads);
   const cv::Mat from(source.height(), source.width(), CV_32FC3, const_cast<float*>(source.data()),
                      static_cast<std::size_t>(source.stride()) * sizeof(float));
   cv::Mat to(output.height(), output.width(), CV_32FC3, output.data(),
              static_cast<std::size_t>(output.stride()) * sizeof(float));
-  cv::remap(from, to, maps_->whole, maps_->fraction, cv::INTER_LANCZOS4, cv::BORDER_REPLICATE);
+  cv::remap(from, to, maps_->whole, maps_->fraction, kCodes[static_cast<int>(kernel)], cv::BORDER_REPLICATE);
 }
 
 }  // namespace hdr::bench

@@ -8,7 +8,9 @@
 
 namespace hdr::bench {
 
-/// cv::remap with INTER_LANCZOS4 and maps that are made beforehand, in OpenCV's own fixed-point form.
+enum class RemapKernel { kNearest, kLinear, kCubic, kLanczos4 };
+
+/// cv::remap with maps that are made beforehand, in OpenCV's own fixed-point form.
 class OpenCvRemap {
  public:
   /// Where output pixels lie in the source, continuous pixels; NaN: nowhere.
@@ -16,7 +18,8 @@ class OpenCvRemap {
   ~OpenCvRemap();
 
   /// This is what is timed.
-  void run(View<const float> source, View<float> output, int threads) const;
+  void run(View<const float> source, View<float> output, int threads,
+           RemapKernel kernel = RemapKernel::kLanczos4) const;
 
  private:
   struct Maps;

@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tests/bench/row.h"
+
+namespace hdr::tools {
+
+/// The plots of one suite's rows, as figures: for each stage time against error, or time against what it scales with.
+/// Stages without times, and those of `skips`, have none.
+std::string bench_plots(const std::vector<bench::Row>& rows);
+
+}  // namespace hdr::tools
