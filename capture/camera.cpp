@@ -19,7 +19,7 @@ std::vector<CameraName> list_libcamera_cameras() {
   return {};
 }
 
-std::unique_ptr<Camera> open_libcamera_camera(const std::string& uri) {
+std::unique_ptr<CameraDevice> open_libcamera_camera(const std::string& uri) {
   throw CameraError(CameraError::Kind::kNotSupported,
                     uri + ": hdr was built without libcamera; install libcamera-dev and build again, or use v4l2:");
 }
@@ -30,7 +30,7 @@ struct Scheme {
   const char* name;
   const char* example;
   std::vector<CameraName> (*list)();
-  std::unique_ptr<Camera> (*open)(const std::string& uri);
+  std::unique_ptr<CameraDevice> (*open)(const std::string& uri);
 };
 
 constexpr Scheme kSchemes[] = {
@@ -56,7 +56,7 @@ std::vector<CameraName> list_cameras() {
   return cameras;
 }
 
-std::unique_ptr<Camera> open_camera(const std::string& uri) {
+std::unique_ptr<CameraDevice> open_camera(const std::string& uri) {
   const std::size_t colon = uri.find(':');
   for (const Scheme& scheme : kSchemes) {
     if (colon != std::string::npos && uri.compare(0, colon, scheme.name) == 0) return scheme.open(uri);

@@ -59,9 +59,9 @@ struct Configuration {
 /// configure() (optional), start(), then set() and next_frame() in turn, then stop(). A call out of order throws
 /// CameraError kWrongState. From start() to stop() the device is in manual mode: fixed gain, white balance and focus;
 /// stop(), the destructor and SIGINT/SIGTERM give it its old settings back.
-class Camera {
+class CameraDevice {
  public:
-  virtual ~Camera() = default;
+  virtual ~CameraDevice() = default;
   virtual Capabilities capabilities() const = 0;
   /// The format that frames will have. Throws kNotSupported.
   virtual FrameFormat configure(const Configuration& configuration) = 0;
@@ -87,6 +87,6 @@ std::vector<CameraName> list_cameras();
 
 /// "v4l2:/dev/video0", "libcamera:ID", "virtual:SCENE.exr" or "virtual:" (a scene that is built in). Throws
 /// CameraError: kNotSupported names the schemes that are built in.
-std::unique_ptr<Camera> open_camera(const std::string& uri);
+std::unique_ptr<CameraDevice> open_camera(const std::string& uri);
 
 }  // namespace hdr

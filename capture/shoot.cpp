@@ -13,13 +13,13 @@ namespace {
 
 class Running {
  public:
-  Running(Camera& camera, const ExposureSetting& first) : camera_(camera) { camera_.start(first); }
+  Running(CameraDevice& camera, const ExposureSetting& first) : camera_(camera) { camera_.start(first); }
   ~Running() { camera_.stop(); }
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
  private:
-  Camera& camera_;
+  CameraDevice& camera_;
 };
 
 bool same(double total, double other) {
@@ -67,7 +67,7 @@ void narrow(Capabilities& limits, const Verifier& verifier, const ExposureSettin
 
 class Shoot {
  public:
-  Shoot(Camera& camera, const BracketRequest& request, const ShootOptions& options)
+  Shoot(CameraDevice& camera, const BracketRequest& request, const ShootOptions& options)
       : camera_(camera), request_(request), options_(options), limits_(camera.capabilities()) {}
 
   Take run() {
@@ -156,7 +156,7 @@ class Shoot {
     }
   }
 
-  Camera& camera_;
+  CameraDevice& camera_;
   BracketRequest request_;
   const ShootOptions& options_;
   Capabilities limits_;
@@ -165,7 +165,7 @@ class Shoot {
 
 }  // namespace
 
-Take shoot(Camera& camera, const BracketRequest& request, const ShootOptions& options) {
+Take shoot(CameraDevice& camera, const BracketRequest& request, const ShootOptions& options) {
   return Shoot(camera, request, options).run();
 }
 

@@ -32,6 +32,6 @@ struct Take {
 /// Starts the camera (configure() is the caller's, before), takes the bracket that was asked for and stops it, also
 /// when something fails. Throws CameraError: kNotSupported when the picture does not follow the exposure, kTimeout when
 /// no frame can be verified, and what the camera throws.
-Take shoot(Camera& camera, const BracketRequest& request, const ShootOptions& options = {});
+Take shoot(CameraDevice& camera, const BracketRequest& request, const ShootOptions& options = {});
 
 }  // namespace hdr

@@ -57,7 +57,7 @@ ExposureSetting setting_for_total(double total, const Capabilities& limits) {
   return setting;
 }
 
-Verifier::Verifier(Camera& camera, const ExposureSetting& first, VerifyOptions options)
+Verifier::Verifier(CameraDevice& camera, const ExposureSetting& first, VerifyOptions options)
     : camera_(camera),
       options_(std::move(options)),
       limits_(camera.capabilities()),

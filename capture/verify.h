@@ -1,9 +1,9 @@
 #pragma once
 // Frames whose exposure is known. Asking a device for an exposure is no proof that it has it: devices clamp in silence,
 // go on metering, take some frames until they obey, and read back what they were told. So a frame is kept when
-//   the device says with the frame itself what it was exposed with (metadata), and, up to 1 s, the next frame agrees; or
-//   its timestamp is after the change, the picture moved as far as the asked exposure must move it, and the next frame
-//   agrees (brightness).
+//   the device says with the frame itself what it was exposed with (metadata), and, up to 1 s, the next frame agrees;
+//   or its timestamp is after the change, the picture moved as far as the asked exposure must move it, and the next
+//   frame agrees (brightness).
 // With an unknown response one step of brightness proves little: a gamma of 2 and a step of 1 EV look like linear light
 // and 2 EV. Two equal steps that look equal do: prepare() takes three exposures, t, 2t, 4t, and from there on each kept
 // frame teaches the response (brightness.h). A ratio is then told to about 4 % for a step within the codes that were
@@ -38,7 +38,7 @@ struct VerifiedFrame {
 class Verifier {
  public:
   /// `camera` runs since start(first).
-  Verifier(Camera& camera, const ExposureSetting& first, VerifyOptions options = {});
+  Verifier(CameraDevice& camera, const ExposureSetting& first, VerifyOptions options = {});
 
   /// Finds an exposure that shows something, the latency and the response, once for a device. Frames taken for it are
   /// in verified(). Throws CameraError kNotSupported when the picture does not follow the exposure.
@@ -76,7 +76,7 @@ class Verifier {
   const VerifiedFrame* take_by_metadata(const ExposureSetting& setting);
   const VerifiedFrame* take_by_brightness(const ExposureSetting& setting, int bridges);
 
-  Camera& camera_;
+  CameraDevice& camera_;
   VerifyOptions options_;
   Capabilities limits_;
   ExposureSetting set_;

@@ -1,5 +1,5 @@
 #pragma once
-// The calls that Camera refuses (camera.h), said alike by every camera.
+// The calls that CameraDevice refuses (camera.h), said alike by every camera.
 #include "capture/camera.h"
 
 namespace hdr::internal {

@@ -89,7 +89,7 @@ std::shared_ptr<libcamera::Camera> find_camera(libcamera::CameraManager& all, co
   throw CameraError(Kind::kNotSupported, uri + ": libcamera finds no such camera; hdr cameras lists those it does");
 }
 
-class LibcameraCamera : public Camera {
+class LibcameraCamera : public CameraDevice {
  public:
   LibcameraCamera(const std::string& uri, v4l2::Uri wanted);
   ~LibcameraCamera() override;
@@ -298,7 +298,7 @@ std::vector<CameraName> list_libcamera_cameras() {
   return cameras;
 }
 
-std::unique_ptr<Camera> open_libcamera_camera(const std::string& uri) {
+std::unique_ptr<CameraDevice> open_libcamera_camera(const std::string& uri) {
   return std::make_unique<LibcameraCamera>(uri, v4l2::parse_uri(uri));
 }
 

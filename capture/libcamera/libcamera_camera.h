@@ -13,6 +13,6 @@ std::vector<CameraName> list_libcamera_cameras();
 
 /// "libcamera:ID" as they are listed, or "libcamera:" for the first. Options as in v4l2/v4l2_uri.h: format=, size= and
 /// black= (where the camera does not tell).
-std::unique_ptr<Camera> open_libcamera_camera(const std::string& uri);
+std::unique_ptr<CameraDevice> open_libcamera_camera(const std::string& uri);
 
 }  // namespace hdr

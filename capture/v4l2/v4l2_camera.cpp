@@ -60,7 +60,7 @@ std::vector<CameraName> list_v4l2_cameras() {
   return cameras;
 }
 
-std::unique_ptr<Camera> open_v4l2_camera(const std::string& uri) {
+std::unique_ptr<CameraDevice> open_v4l2_camera(const std::string& uri) {
   return std::make_unique<V4l2Camera>(uri, v4l2::parse_uri(uri));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Cameras behind V4L2, above all USB ones: Camera over the real device.
+// Cameras behind V4L2, above all USB ones: CameraDevice over the real device.
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,9 +18,9 @@ namespace hdr {
 std::vector<CameraName> list_v4l2_cameras();
 
 /// "v4l2:/dev/video0", with the options of v4l2_uri.h.
-std::unique_ptr<Camera> open_v4l2_camera(const std::string& uri);
+std::unique_ptr<CameraDevice> open_v4l2_camera(const std::string& uri);
 
-class V4l2Camera : public Camera {
+class V4l2Camera : public CameraDevice {
  public:
   V4l2Camera(const std::string& uri, const v4l2::Uri& wanted);
   ~V4l2Camera() override { stop(); }

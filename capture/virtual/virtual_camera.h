@@ -1,7 +1,7 @@
 #pragma once
-// A camera that photographs a picture of a scene: response/expose.h behind the Camera interface. It runs on any machine
-// and knows the truth, so what is tested with it is tested against known light. It has its own time: frames take as
-// long as a sensor's would, by Camera::now(), and nobody waits. And it has the faults of real devices.
+// A camera that photographs a picture of a scene: response/expose.h behind the CameraDevice interface. It runs on any
+// machine and knows the truth, so what is tested with it is tested against known light. It has its own time: frames
+// take as long as a sensor's would, by CameraDevice::now(), and nobody waits. And it has the faults of real devices.
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -56,7 +56,7 @@ struct VirtualCameraOptions {
 /// Relative exposure sensitivity at which the scene's median sample fills `level` of the full well at `exposure`.
 double metered_sensitivity(View<const float> scene, const Exposure& exposure, double level);
 
-class VirtualCamera : public Camera {
+class VirtualCamera : public CameraDevice {
  public:
   /// `scene`: linear RGB, width x height x 3. Throws Error for options that no camera has.
   VirtualCamera(std::string uri, Image<float> scene, VirtualCameraOptions options);
@@ -96,7 +96,7 @@ class VirtualCamera : public Camera {
 };
 
 /// Opens "virtual:SCENE.exr?OPTIONS", see virtual_uri.h. Throws CameraError, and Error for a scene that cannot be read.
-std::unique_ptr<Camera> open_virtual_camera(const std::string& uri);
+std::unique_ptr<CameraDevice> open_virtual_camera(const std::string& uri);
 std::vector<CameraName> list_virtual_cameras();
 
 }  // namespace hdr

@@ -188,7 +188,7 @@ VirtualUri parse_virtual_uri(const std::string& uri) {
   return Parser(uri).parse();
 }
 
-std::unique_ptr<Camera> open_virtual_camera(const std::string& uri) {
+std::unique_ptr<CameraDevice> open_virtual_camera(const std::string& uri) {
   VirtualUri parsed = parse_virtual_uri(uri);
   Image<float> scene = parsed.scene.empty() ? built_in_scene(parsed.size) : read_map(parsed.scene).map.rgb;
   return std::make_unique<VirtualCamera>(uri, std::move(scene), std::move(parsed.options));

@@ -18,8 +18,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Kind = CameraError::Kind;
 
-std::unique_ptr<Camera> open_simulated(const Simulator& simulator,
-                                       const std::string& options = "format=YUYV&size=320x240") {
+std::unique_ptr<CameraDevice> open_simulated(const Simulator& simulator,
+                                             const std::string& options = "format=YUYV&size=320x240") {
   return open_camera("v4l2:" + simulator.node() + "?" + options);
 }
 

@@ -63,7 +63,7 @@ void declare_options(CLI::App& app, Options& o) {
       ->check(CLI::NonNegativeNumber);
 }
 
-std::unique_ptr<Camera> opened(Run& run, const Options& o) {
+std::unique_ptr<CameraDevice> opened(Run& run, const Options& o) {
   std::string uri = o.camera;
   if (uri.empty()) {
     uri = list_cameras().front().uri;  // the virtual one is always there, and the last
@@ -76,7 +76,7 @@ std::unique_ptr<Camera> opened(Run& run, const Options& o) {
 }
 
 /// Raw frames where the person or the formats say so.
-FrameFormat configured(Camera& camera, const Options& o) {
+FrameFormat configured(CameraDevice& camera, const Options& o) {
   const std::vector<FrameFormat> formats = camera.capabilities().formats;
   const auto raw =
       std::find_if(formats.begin(), formats.end(), [](const FrameFormat& f) { return is_bayer(f.pixels); });
@@ -113,7 +113,7 @@ BracketRequest request_of(const Options& o, const FrameFormat& format) {
 }
 
 /// Told by every frame: whether to go on.
-void check_time(const Camera& camera, Clock::time_point end) {
+void check_time(const CameraDevice& camera, Clock::time_point end) {
   Interrupt::check();
   if (camera.now() <= end) return;
   throw CameraError(CameraError::Kind::kTimeout,
@@ -129,7 +129,7 @@ bool enter_is_pressed() {
 }
 
 /// Frames one after the other, exposed so that what is seen is neither black nor white.
-void preview(Camera& camera, LiveView& view, const Options& o) {
+void preview(CameraDevice& camera, LiveView& view, const Options& o) {
   const bool until_enter = *o.preview == 0;
   if (until_enter && !isatty(STDIN_FILENO)) {
     throw Error("--preview: there is no terminal to press Enter on; give seconds, as in --preview 5");
@@ -183,7 +183,7 @@ std::optional<std::string> noted_response(const Options& o, const FrameFormat& f
   return kFile;
 }
 
-Take take_bracket(Run& run, Camera& camera, const BracketRequest& request, LiveView& view, const Options& o) {
+Take take_bracket(Run& run, CameraDevice& camera, const BracketRequest& request, LiveView& view, const Options& o) {
   const auto far = std::chrono::hours(24);
   const auto patience = o.deadline
                             ? std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*o.deadline))
@@ -209,7 +209,8 @@ Take take_bracket(Run& run, Camera& camera, const BracketRequest& request, LiveV
 }
 
 /// Writes the shots; bracket.json's rows say what EXIF cannot.
-void write_bracket(Run& run, const Camera& camera, const FrameFormat& format, const Take& take, const Options& o) {
+void write_bracket(Run& run, const CameraDevice& camera, const FrameFormat& format, const Take& take,
+                   const Options& o) {
   ShotsOutput output(o.output);
   const Capabilities limits = camera.capabilities();
   // EXIF has no gain but the ISO speed's: of a camera that does not know its own, 100 stands for the least gain.

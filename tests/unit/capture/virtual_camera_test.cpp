@@ -25,7 +25,7 @@ double mean_code(const Frame& frame) {
   return std::accumulate(frame.bytes.begin(), frame.bytes.end(), 0.0) / static_cast<double>(frame.bytes.size());
 }
 
-Take shoot_times(Camera& camera, const std::vector<double>& times) {
+Take shoot_times(CameraDevice& camera, const std::vector<double>& times) {
   BracketRequest request;
   request.times = times;
   return shoot(camera, request);
