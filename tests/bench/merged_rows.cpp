@@ -13,7 +13,9 @@ using internal::TileCount;
 MergedRows merged_rows(const Bracket& bracket, const Response& response, WeightKind weight, RowKernel kernel) {
   MergeOptions options;
   options.weight = weight;
-  const internal::MergeModel model = internal::models_of(bracket, no_alignment(bracket), response, options).merge;
+  const Alignment still = no_alignment(bracket);
+  const internal::MergeModel model =
+      internal::models_of(bracket, still, internal::roles_of(still), response, options).merge;
   const double unit = bracket.shots[(bracket.shots.size() - 1) / 2].relative_exposure();
   const Size size = bracket.size();
   MergedRows merged{Image<float>(size, 3), 0};
