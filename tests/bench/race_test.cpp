@@ -68,7 +68,7 @@ TEST(Race, MemoryIsThatOfTheWork) {
   const auto fill = [](std::size_t bytes) {
     return [bytes] {
       std::vector<char> all(bytes, 1);
-      static volatile char sink;
+      [[maybe_unused]] static volatile char sink;
       sink = all[bytes / 2];
     };
   };

@@ -87,7 +87,7 @@ TEST(Plot, EveryMarkIsWellFormedEvenWithoutData) {
   for (const Mark mark : {Mark::kLine, Mark::kPoints, Mark::kSteps, Mark::kBand, Mark::kSpans, Mark::kArrows}) {
     for (const std::size_t count : {0u, 1u, 3u}) {
       for (const bool log : {false, true}) {
-        Series series{"a<b", mark, Colour::kGreen, {}, {}, {}, {}, 1, {"note <1>"}};
+        Series series{"a<b", mark, Colour::kGreen, {}, {}, {}, {}, 1, 0, {"note <1>"}};
         for (std::size_t k = 0; k < count; ++k) {
           series.x.push_back(static_cast<double>(k));
           series.y.push_back(static_cast<double>(k * k));
