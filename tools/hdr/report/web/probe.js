@@ -112,7 +112,8 @@
       this.numbers = (name) => root.dataset[name].split(' ').map(Number);
       this.roughness = this.numbers('roughness');
       this.irradiance = this.numbers('irradiance');
-      this.turn = [0, 0];
+      // Inside, the way the photographer looks at the ball; else from the side: a ball is blind behind itself.
+      this.turns = [[0, 0], [0.5, 0.25], [1.25, 0.12]];
       this.zoom = 0;
       this.surfaces = [];
       this.listen();
@@ -162,10 +163,11 @@
     }
 
     turned(dx, dy) {
-      const speed = this.control('view').value === '0' ? 0.6 / this.canvas.clientHeight : 4 / this.canvas.clientHeight;
-      const wide = this.control('view').value === '0' ? 2.2 * 2 ** -this.zoom : 1;
-      this.turn[0] += speed * wide * dx;
-      this.turn[1] = Math.min(1.55, Math.max(-1.55, this.turn[1] + speed * wide * dy));
+      const view = Number(this.control('view').value), turn = this.turns[view];
+      // Inside, what is under the pointer stays there; outside, a drag over the height is two thirds of a turn.
+      const radians = (view === 0 ? 1.3 * 2 ** -this.zoom : 4) / this.canvas.clientHeight;
+      turn[0] += radians * dx;
+      turn[1] = Math.min(1.55, Math.max(-1.55, turn[1] + radians * dy));
       this.later();
     }
 
@@ -182,7 +184,7 @@
 
     // Right, up, forward. Inside, a drag moves the picture with the pointer; outside, it turns what is looked at.
     camera(view) {
-      const [yaw, pitch] = this.turn, c = Math.cos, s = Math.sin, p = pitch;
+      const [yaw, pitch] = this.turns[view], c = Math.cos, s = Math.sin, p = pitch;
       const forward = view === 0 ? [s(yaw) * c(p), s(p), c(yaw) * c(p)] : [s(yaw) * c(p), -s(p), -c(yaw) * c(p)];
       const flat = Math.hypot(forward[0], forward[2]);
       const right = [-forward[2] / flat, 0, forward[0] / flat];
