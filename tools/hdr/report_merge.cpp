@@ -133,7 +133,7 @@ void add_map(report::Page& page, const MergeSummary& merged, const MapDigest& di
   if (!std::isnan(digest.doubt(0.5))) facts.add("deviation, median", percent(digest.doubt(0.5)));
   if (!merged.ghosts.regions.empty()) facts.add("ghosts", percent(merged.ghosts.share));
   const Image<float>& small = digest.picture();
-  report::Picture picture{"map", small, metered_stops(small), {}, drawing, digest.size()};
+  report::Picture picture{"map-picture", small, metered_stops(small), {}, drawing, digest.size()};
   picture.overlays.push_back({"clipped", digest.clipped(), Colour::kVermilion, false});
   picture.overlays.push_back({"dark", digest.dark(), Colour::kSkyBlue, false});
   Image<std::uint8_t> ghosts;
