@@ -237,7 +237,8 @@ TEST(Render, MirrorShowsTheProbeInTheMirrorDirection) {
 }
 
 TEST(Render, WhiteMaterialsAreWhiteInAFurnace) {
-  // By each unbiased method, in the middle (head-on) and near the rim.
+  // By each unbiased method, over the whole ball: of a rough lobe a few samples in a hundred go below the horizon, too
+  // few in one pixel to know its error from the spread of some renders.
   const Environment light = constant_probe(1);
   std::vector<Material> materials{material_from_text("diffuse:1"), material_from_text("mirror")};
   for (const float roughness : {0.05f, 0.4f, 1.0f}) {
@@ -248,11 +249,20 @@ TEST(Render, WhiteMaterialsAreWhiteInAFurnace) {
     for (const RenderMethod method : kUnbiased) {
       if (method == RenderMethod::kImportance && material.roughness < 0.1f) continue;  // light alone misses the lobe
       const Truth truth = many_seeds(sphere_alone(material), light, {method, {21, 15}, 64, 1, {}}, 8);
-      for (const int x : {10, 14}) {
-        const double expected = luminance(1.0, 1.1, 1.2), tolerance = 4 * truth.error(x, 7) + 0.004;
-        EXPECT_NEAR(truth.mean(x, 7), expected, tolerance)
-            << static_cast<int>(material.kind) << " of roughness " << material.roughness << " by " << name_of(method);
+      double sum = 0, error2 = 0;
+      int count = 0;
+      for (int y = 0; y < 15; ++y) {
+        for (int x = 0; x < 21; ++x) {
+          if (truth.alpha(x, y) < 1) continue;
+          sum += truth.mean(x, y);
+          error2 += truth.error(x, y) * truth.error(x, y);
+          ++count;
+        }
       }
+      ASSERT_GT(count, 50);
+      const double expected = luminance(1.0, 1.1, 1.2);
+      EXPECT_NEAR(sum / count, expected, 3 * std::sqrt(error2) / count + 0.004 * expected)
+          << static_cast<int>(material.kind) << " of roughness " << material.roughness << " by " << name_of(method);
     }
   }
 }
