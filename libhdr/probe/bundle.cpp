@@ -97,6 +97,14 @@ BundleFit adjust(const std::vector<Size>& sizes, const std::vector<Features>& fe
       dir += bundle.probe_from_photo[photo] * ray.value_or(Vec3(-r.x(), -r.y(), 1).normalized());
     }
     dir.normalize();
+    // A link that contradicts the others may put a match behind a camera, where it is nowhere.
+    constexpr double kAhead = 0.05;
+    bool ahead = true;
+    for (int side = 0; side < 2; ++side) {
+      const std::size_t photo = px_of(used[i], side).first;
+      ahead &= bundle.probe_from_photo[photo].col(2).dot(dir) > kAhead;
+    }
+    if (!ahead) continue;
     Vec3f t, b;
     tangents_from_normal(dir.cast<float>(), t, b);
     for (int side = 0; side < 2; ++side) {

@@ -11,14 +11,14 @@
 namespace hdr {
 namespace {
 
-/// The pixels without alpha that are connected with the lowest row, over the seam too.
+/// The pixels without alpha below the horizon that are connected with the lowest row, over the seam too.
 std::vector<std::uint8_t> hole_of(View<const float> alpha) {
   const int width = alpha.width(), height = alpha.height();
   std::vector<std::uint8_t> hole(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   std::vector<std::pair<int, int>> open;
   const auto visit = [&](int x, int y) {
     x = (x + width) % width;
-    if (y < 0 || y >= height || alpha(x, y) > 0) return;
+    if (y < height / 2 || y >= height || alpha(x, y) > 0) return;
     auto& here = hole[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
     if (here) return;
     here = 1;

@@ -19,6 +19,7 @@ using namespace internal;
 
 constexpr int kLeastFeatures = 20;
 constexpr double kFovKnown = 0.05;  ///< of ln of the focal length: lenses keep what is written on them within 5 %
+constexpr double kFovFound = 0.3;   ///< of one that consensus found: no more than a rail where matches leave it open
 
 bool same_pixels(View<const float> a, View<const float> b) {
   if (a.size() != b.size()) return false;
@@ -223,7 +224,7 @@ Stitch solve_stitch(const std::vector<StitchPhoto>& photos, const std::vector<st
       expected ? FocalRange{*expected * std::exp(-2 * kFovKnown), *expected * std::exp(2 * kFovKnown)} : kAnyFocal;
   work.bundle.lens.focal = link_photos(work.sizes, work.features, range, work.links);
   work.bundle.expected_focal = expected.value_or(work.bundle.lens.focal);
-  work.bundle.focal_deviation = expected ? kFovKnown : 0;
+  work.bundle.focal_deviation = expected ? kFovKnown : kFovFound;
   const LinkedGroup group = largest_group(static_cast<int>(photos.size()), work.links);
   if (group.members.size() < 2) throw_unconnected(names, stitch);
   for (PhotoLink& link : work.links) {

@@ -64,8 +64,8 @@ struct NadirFill {
   double radius_degrees = 0;  ///< how far from -Y it reached
 };
 
-/// Fills the hole around -Y of a lat-long, where alpha is 0, with the smoothest light that meets its border (the
-/// membrane, [Perez03] without guidance). Alpha becomes 1 there.
+/// Fills the hole around -Y of a lat-long, where alpha is 0 and at most up to the horizon, with the smoothest light
+/// that meets its border (the membrane, [Perez03] without guidance). Alpha becomes 1 there.
 NadirFill fill_nadir(RadianceMap& latlong);
 
 }  // namespace hdr

@@ -147,6 +147,8 @@ TEST_F(StitchCommand, WhatCannotBeStitchedIsSaidInOneLine) {
   expect_refusal({"stitch", a, d, "-o", output}, {"truth.exr", "overlap by a third"});
   expect_refusal({"stitch", a, a, "-o", output}, {"the same photograph"});
   expect_refusal({"stitch", a, (scratch_ / "absent.exr").string(), "-o", output}, {"absent.exr"});
+  expect_refusal({"stitch", a, (scratch_ / "world.exr").string(), "-o", output},
+                 {"world.exr", "latlong", "rectilinear"});
   EXPECT_FALSE(std::filesystem::exists(output));
 }
 

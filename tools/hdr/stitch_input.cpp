@@ -1,11 +1,14 @@
 #include "tools/hdr/stitch_input.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
 
 #include "libhdr/core/error.h"
 #include "libhdr/io/read.h"
+#include "libhdr/probe/projection.h"
 #include "tools/hdr/pipeline.h"
 
 namespace hdr::tools {
@@ -67,6 +70,15 @@ constexpr double kCeiling = 0.98;
 StitchInput read_picture(Run& run, const std::string& name) {
   ReadMap read = run.stage("read", [&] { return read_map(name); });
   StitchInput input{name, std::move(read.map)};
+  if (const std::string& tag = input.map.projection; !tag.empty()) {
+    const auto projection = projection_from_text(tag, input.map.size());
+    const auto* camera = projection ? std::get_if<Rectilinear>(&*projection) : nullptr;
+    if (!camera) {
+      throw Error(fmt::format("{}: shows the sphere as {}, not as a photograph; hdr unwrap --to rectilinear makes one",
+                              name, tag));
+    }
+    input.fov_degrees = camera->fov_degrees;
+  }
   if (!is_photo_name(name)) {
     for (const std::string& warning : read.warnings) run.warn(warning);
     return input;
@@ -98,7 +110,7 @@ std::vector<StitchInput> read_stitch_inputs(Run& run, const std::vector<std::str
       continue;
     }
     inputs.push_back(photograph && response_given ? StitchInput{name, merger.merge(name)} : read_picture(run, name));
-    if (photograph) inputs.back().fov_degrees = read_photo_header(name).fov_degrees;
+    if (photograph && !inputs.back().fov_degrees) inputs.back().fov_degrees = read_photo_header(name).fov_degrees;
   }
   return inputs;
 }
