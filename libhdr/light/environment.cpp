@@ -70,6 +70,7 @@ Environment::Environment(Image<float> latlong, Density density, Order order)
 }
 
 void Environment::weigh(double floor) {
+  floor_ = floor;
   if (order_ == Order::kAlias) {
     weigh(aliases_, floor);
   } else {
@@ -117,6 +118,11 @@ Environment::Sample Environment::sample_of(const Vec3f& dir, int x, int y, doubl
 
 float Environment::pdf_of_weight(double weight) const {
   return static_cast<float>(black() ? 0.25 / kPi : weight * per_total_);
+}
+
+Environment::DensityLaw Environment::density_law() const {
+  if (black()) return {static_cast<float>(0.25 / kPi), 0, 0};
+  return {0, static_cast<float>(floor_), static_cast<float>(per_total_)};
 }
 
 float Environment::pdf_of_pixel(int x, int y) const {

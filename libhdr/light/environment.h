@@ -1,9 +1,11 @@
 #pragma once
 // A probe as a light: radiance(dir), sample(u) -> dir, pdf(dir), and invert(dir) -> u, the inverse of sample.
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "libhdr/core/color.h"
 #include "libhdr/core/image.h"
 #include "libhdr/core/radiance.h"
 #include "libhdr/core/vec.h"
@@ -57,6 +59,14 @@ class Environment {
   Rgbf smooth_radiance(const Vec3f& dir) const;
   float pdf(const Vec3f& dir) const { return lookup(dir).pdf; }
   float pdf_of_pixel(int x, int y) const;
+  /// The density of a pixel from its radiance alone, for many look-ups.
+  struct DensityLaw {
+    float uniform, floor, per_luminance;
+    float pdf(const float* rgb) const {
+      return uniform + per_luminance * std::max(0.0f, luminance(rgb[0], rgb[1], rgb[2]) - floor);
+    }
+  };
+  DensityLaw density_law() const;
   /// A u with sample(u).dir = dir (of kInOrder the only one); where pdf(dir) is 0, the nearest u there is.
   Vec2 invert(const Vec3f& dir) const;
 
@@ -84,6 +94,7 @@ class Environment {
   std::vector<double> shares_above_;  ///< of the sphere, above each row
   double total_ = 0;                  ///< integral of the weight
   double per_total_ = 0;              ///< 1 / total_
+  double floor_ = 0;                  ///< luminance that counts as 0
   Rgb power_ = Rgb::Zero();
 };
 

@@ -30,8 +30,10 @@ inline float angle_of(float y, float x) {
 
 }  // namespace
 
-void latlong_pixels(const float* dir_x, const float* dir_y, const float* dir_z, int count, Size size,
-                    std::int32_t* pixels) {
+void latlong_offsets(const float* dir_x, const float* dir_y, const float* dir_z, int count, View<const float> map,
+                     std::int32_t* offsets) {
+  const Size size = map.size();
+  const auto stride = static_cast<std::int32_t>(map.stride()), channels = map.channels();
   const float columns = static_cast<float>(size.width) / (2 * std::numbers::pi_v<float>);
   const float rows = static_cast<float>(size.height) / std::numbers::pi_v<float>;
   const int last_column = size.width - 1, last_row = size.height - 1;
@@ -42,7 +44,7 @@ void latlong_pixels(const float* dir_x, const float* dir_y, const float* dir_z, 
     const float v = rows * angle_of(horizontal, dir_y[k]);
     const int x = std::clamp(static_cast<int>(u), 0, last_column);
     const int y = std::clamp(static_cast<int>(v), 0, last_row);
-    pixels[k] = y * size.width + x;
+    offsets[k] = y * stride + channels * x;
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <queue>
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
@@ -17,61 +16,6 @@ constexpr int kWidestCells = 1024;  // as light_cells() cuts maps: strata of mak
 double luminance_of(const float* p) {
   return luminance<double>(p[0], p[1], p[2]);
 }
-
-// A rectangle of cells, its luminance and solid angle.
-struct Rectangle {
-  int left, top, right, bottom;
-  double light, solid_angle, importance;
-  bool operator<(const Rectangle& other) const { return importance < other.importance; }
-};
-
-// Sums over rectangles from sums over those that begin at the corner.
-class Table {
- public:
-  Table(const std::vector<double>& cells, Size size) : size_(size), width_(static_cast<std::size_t>(size.width) + 1) {
-    sums_.assign(width_ * (static_cast<std::size_t>(size.height) + 1), 0.0);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(size.height); ++y) {
-      double row = 0;
-      for (std::size_t x = 0; x + 1 < width_; ++x) {
-        row += cells[y * (width_ - 1) + x];
-        sums_[(y + 1) * width_ + x + 1] = sums_[y * width_ + x + 1] + row;
-      }
-    }
-  }
-
-  Rectangle rectangle(int left, int top, int right, int bottom) const {
-    Rectangle r{left, top, right, bottom, 0, 0, 0};
-    r.light = std::max(0.0, at(right, bottom) - at(left, bottom) - at(right, top) + at(left, top));
-    r.solid_angle = 2 * kPi * (right - left) / size_.width *
-                    (std::cos(kPi * top / size_.height) - std::cos(kPi * bottom / size_.height));
-    r.importance = r.light * std::pow(r.solid_angle, 0.25);
-    return r;
-  }
-
-  // Across the longer side, where both parts have half of the light.
-  std::pair<Rectangle, Rectangle> halves(const Rectangle& r) const {
-    const int width = r.right - r.left, height = r.bottom - r.top;
-    const double shortening = std::sin(kPi * 0.5 * (r.top + r.bottom) / size_.height);
-    const double x_extent = 2 * shortening * width / size_.width, y_extent = static_cast<double>(height) / size_.height;
-    const bool across = height < 2 || (width > 1 && x_extent >= y_extent);
-    int low = (across ? r.left : r.top) + 1, high = (across ? r.right : r.bottom) - 1;
-    while (low < high) {
-      const int middle = (low + high) / 2;
-      const Rectangle part =
-          across ? rectangle(r.left, r.top, middle, r.bottom) : rectangle(r.left, r.top, r.right, middle);
-      (2 * part.light < r.light ? low : high) = 2 * part.light < r.light ? middle + 1 : middle;
-    }
-    if (across) return {rectangle(r.left, r.top, low, r.bottom), rectangle(low, r.top, r.right, r.bottom)};
-    return {rectangle(r.left, r.top, r.right, low), rectangle(r.left, low, r.right, r.bottom)};
-  }
-
- private:
-  double at(int x, int y) const { return sums_[static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x)]; }
-
-  Size size_;
-  std::size_t width_;
-  std::vector<double> sums_;
-};
 
 }  // namespace
 
@@ -103,28 +47,18 @@ void LightStrata::end_stratum() {
   if (members_.size() > (ends_.empty() ? 0 : ends_.back())) ends_.push_back(members_.size());
 }
 
-LightStrata LightStrata::rectangles(View<const float> latlong, int count) {
+LightStrata LightStrata::grid(View<const float> latlong, int count) {
   LightStrata strata(latlong);
-  const Table table(strata.luminances_, strata.cells_);
-  std::priority_queue<Rectangle> open;
-  std::vector<Rectangle> done;
-  open.push(table.rectangle(0, 0, strata.cells_.width, strata.cells_.height));
-  while (!open.empty() && static_cast<int>(open.size() + done.size()) < count) {
-    const Rectangle largest = open.top();
-    open.pop();
-    if (largest.right - largest.left < 2 && largest.bottom - largest.top < 2) {
-      done.push_back(largest);
-      continue;
+  const int down = std::clamp(static_cast<int>(std::sqrt(count / 2.0)), 1, strata.cells_.height);
+  const int across = std::clamp(count / down, 1, strata.cells_.width);
+  const auto border = [](int k, int parts, int whole) { return static_cast<int>(std::int64_t{k} * whole / parts); };
+  for (int j = 0; j < down; ++j) {
+    for (int i = 0; i < across; ++i) {
+      for (int y = border(j, down, strata.cells_.height); y < border(j + 1, down, strata.cells_.height); ++y)
+        for (int x = border(i, across, strata.cells_.width); x < border(i + 1, across, strata.cells_.width); ++x)
+          strata.append(y * strata.cells_.width + x);
+      strata.end_stratum();
     }
-    const auto [one, other] = table.halves(largest);
-    open.push(one);
-    open.push(other);
-  }
-  for (; !open.empty(); open.pop()) done.push_back(open.top());
-  for (const Rectangle& r : done) {
-    for (int y = r.top; y < r.bottom; ++y)
-      for (int x = r.left; x < r.right; ++x) strata.append(y * strata.cells_.width + x);
-    strata.end_stratum();
   }
   return strata;
 }

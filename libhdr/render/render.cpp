@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "libhdr/core/parallel.h"
+#include "libhdr/render/internal/allotment.h"
 #include "libhdr/render/internal/tile_painter.h"
 
 namespace hdr {
@@ -30,36 +31,105 @@ Scene with_fine_meshes(const Scene& scene) {
   return fine;
 }
 
-// Passes that together spend `samples` directions a pixel. Two tell the error; more tell it better, but each on its own
-// is less well stratified. Camera rays: some for the edges of things, and few where nothing else is random.
-std::vector<Pass> planned(const RenderOptions& options, bool exact) {
-  const int samples = options.samples;
-  const int passes = samples < 4 ? samples : std::clamp(samples / 32, 4, 8);
-  const int rays_in_all = exact ? std::clamp(samples / 8, std::min(samples, 4), 16) : std::max(passes, 16);
-  std::vector<Pass> plan;
-  for (int k = 0; k < passes; ++k) {
-    const int directions = samples / passes + (k < samples % passes ? 1 : 0);
-    plan.push_back({k, directions, std::clamp(rays_in_all / passes, 1, directions), options.seed});
+// A picture in the making.
+class Painting {
+ public:
+  Painting(const Setting& setting, RenderMethod method)
+      : options_(setting.options), painter_(setting, method), film_(setting.options.size) {}
+
+  // One pass over those pixels that are not `done`.
+  void pass(int directions, const std::vector<std::uint8_t>& done) {
+    // Camera rays are for the edges of things, and for nothing else where irradiance is exact.
+    const int rays = exact() ? 1 : std::clamp((directions + 3) / 4, std::min(directions, 4), 16);
+    const Pass pass{passes_++, directions, rays, options_.seed, camera_rays_};
+    camera_rays_ += rays;
+    painter_.begin(pass);
+    std::atomic<int> tiles_done = 0;
+    constexpr int kTilesAtOnce = 4;
+    // The bytes of the picture do not depend on who paints which tile.
+    const Tally tally = reduce_rows(
+        painter_.tiles(), kTilesAtOnce, Tally{},
+        [&](int first, int last) {
+          Tally part;
+          for (int tile = first; tile < last; ++tile) painter_.paint(tile, pass, done, film_, part);
+          const int ready = tiles_done += last - first;
+          report(progress_from_ + (progress_to_ - progress_from_) * ready / painter_.tiles());
+          return part;
+        },
+        [](Tally& total, const Tally& part) { total += part; });
+    tally_ += tally;
+    progress_from_ = progress_to_;
   }
-  return plan;
+
+  void passes(const Allotment& allotment) {
+    for (int level = 0; level <= allotment.highest; ++level) {
+      const std::vector<std::uint8_t> others = allotment.others(level);
+      if (std::find(others.begin(), others.end(), 0) != others.end()) pass(allotment.directions(level), others);
+    }
+  }
+
+  // The next pass goes on to this share of the work.
+  void next_goes_to(double share) { progress_to_ = share; }
+
+  bool exact() const { return painter_.exact(); }
+  bool saw_backs() const { return tally_.backs > 0; }
+  const Film& film() const { return film_; }
+  std::int64_t rays() const { return tally_.rays; }
+  double samples_per_pixel() const {
+    return static_cast<double>(tally_.directions) / static_cast<double>(film_.count());
+  }
+
+ private:
+  void report(double done) const {
+    if (options_.progress) options_.progress(std::min(done, 1.0));
+  }
+
+  const RenderOptions& options_;
+  TilePainter painter_;
+  Film film_;
+  Tally tally_;
+  int passes_ = 0, camera_rays_ = 0;
+  double progress_from_ = 0, progress_to_ = 1;
+};
+
+// Two passes tell the error; each on its own is the better stratified the more directions it has.
+void paint_evenly(Painting& painting, int samples) {
+  const int most = painting.exact() ? 16 : samples > 1024 ? 4 : 2;
+  const int passes = painting.exact() ? std::clamp(samples / 8, std::min(samples, 4), most) : std::min(samples, most);
+  for (int k = 0; k < passes; ++k) {
+    painting.next_goes_to((k + 1.0) / passes);
+    painting.pass(samples / passes + (k < samples % passes ? 1 : 0), {});
+  }
 }
 
-// Bytes of the picture do not depend on who painted which tile.
-std::int64_t paint_pass(TilePainter& painter, const Pass& pass, Film& film,
-                        const std::function<void(double)>& progress) {
-  painter.begin(pass);
-  std::atomic<int> tiles_done = 0;
-  constexpr int kTilesAtOnce = 4;
-  return reduce_rows(
-      painter.tiles(), kTilesAtOnce, std::int64_t{0},
-      [&](int first, int last) {
-        std::int64_t rays = 0;
-        for (int tile = first; tile < last; ++tile) painter.paint(tile, pass, {}, film, rays);
-        const int done = tiles_done += last - first;
-        if (progress) progress(static_cast<double>(done) / painter.tiles());
-        return rays;
-      },
-      [](std::int64_t& total, std::int64_t part) { total += part; });
+// Half of the work everywhere, the other half where the first says that it is needed.
+void paint_where_needed(Painting& painting, int samples) {
+  const int pilot = samples / 4;
+  for (int k = 0; k < 2; ++k) {
+    painting.next_goes_to(0.25 * (k + 1));
+    painting.pass(pilot, {});
+  }
+  const std::vector<float> deviations = relative_deviations(painting.film());
+  const auto in_need = std::count_if(deviations.begin(), deviations.end(), [](float d) { return d > 0; });
+  const Allotment allotment =
+      allot_budget(painting.film(), deviations, static_cast<double>(samples - 2 * pilot) * static_cast<double>(in_need),
+                   std::max(1, samples / 4));
+  painting.next_goes_to(1);
+  painting.passes(allotment);
+}
+
+// Until each pixel's estimated relative error is `error`, or it has had `most` directions.
+void paint_to_error(Painting& painting, double error, int most) {
+  const int pilot = std::clamp(most / 2, 1, 16);
+  for (int k = 0; k < 2; ++k) painting.pass(pilot, {});
+  for (bool all_there = false; !all_there;) {
+    const Allotment allotment =
+        allot_to_error(painting.film(), relative_deviations(painting.film()), error, pilot, most);
+    const auto there = std::count(allotment.levels.begin(), allotment.levels.end(), -1);
+    painting.next_goes_to(static_cast<double>(there) / static_cast<double>(allotment.levels.size()));
+    painting.passes(allotment);
+    all_there = allotment.highest < 0;
+  }
 }
 
 void develop_ground(const Film& film, Rendering& result) {
@@ -99,20 +169,42 @@ void develop(const Film& film, Rendering& result) {
   });
 }
 
-double error_of(const Film& film, int samples) {
-  if (samples < 2) return 1;
+double error_of(const Film& film) {
   double relative_variance = 0;
   std::int64_t lit = 0;
-  for (int y = 0; y < film.size().height; ++y) {
-    for (int x = 0; x < film.size().width; ++x) {
-      const std::size_t pixel = film.index(x, y);
-      const double value = film.luminance_of(pixel);
-      if (film.coverage(pixel) < 1 || !(value > 0)) continue;
-      relative_variance += film.variance(pixel) / (value * value);
-      ++lit;
-    }
+  for (std::size_t pixel = 0; pixel < film.count(); ++pixel) {
+    const double value = film.luminance_of(pixel), variance = film.variance(pixel);
+    if (variance < 0) return 1;  // one pass tells nothing of its error
+    if (film.coverage(pixel) < 1 || !(value > 0)) continue;
+    relative_variance += variance / (value * value);
+    ++lit;
   }
   return lit > 0 ? std::sqrt(relative_variance / static_cast<double>(lit)) : 0;
+}
+
+bool has_shadow_catcher(const Scene& scene) {
+  return std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& mesh) { return mesh.material.shadow_catcher; });
+}
+
+void paint(Painting& painting, const Scene& scene, const RenderOptions& options) {
+  // Half of too little tells nothing: with fewer than these all pixels have the same.
+  constexpr int kFewest = 16;
+  if (options.error > 0) {
+    paint_to_error(painting, options.error, options.samples);
+  } else if (options.method == RenderMethod::kAuto && !painting.exact() && options.samples >= kFewest &&
+             !has_shadow_catcher(scene)) {
+    paint_where_needed(painting, options.samples);
+  } else {
+    paint_evenly(painting, options.samples);
+  }
+}
+
+void finish(const Painting& painting, const Scene& scene, Rendering& result) {
+  develop(painting.film(), result);
+  if (has_shadow_catcher(scene)) develop_ground(painting.film(), result);
+  result.rays += painting.rays();
+  result.samples_per_pixel = painting.samples_per_pixel();
+  result.estimated_error = error_of(painting.film());
 }
 
 }  // namespace
@@ -129,27 +221,31 @@ Rendering render(const Scene& scene, const Environment& light, const RenderOptio
     throw Error(fmt::format("cannot render {}x{} pixels with {} samples; each must be at least 1", size.width,
                             size.height, options.samples));
   }
+  if (!(options.error >= 0)) throw Error("the error to reach must not be negative; 0 is for a fixed number of samples");
   Rendering result;
-  result.method = options.method == RenderMethod::kAuto ? RenderMethod::kMis : options.method;
-  const Tracer tracer(scene, result.method == RenderMethod::kSh ? Tracer::Effort::kFewRays : Tracer::Effort::kManyRays);
-  const Setting setting{scene, tracer, light, options, tracer.convex()};
-  TilePainter painter(setting, result.method);
-  Film film(size);
-  const std::vector<Pass> passes = planned(options, painter.exact());
-  for (const Pass& pass : passes) {
-    const auto report = [&](double done) {
-      if (options.progress) options.progress((pass.index + done) / static_cast<double>(passes.size()));
-    };
-    result.rays += paint_pass(painter, pass, film, report);
+  const bool few_rays = options.method == RenderMethod::kSh;
+  const Tracer tracer(scene, few_rays ? Tracer::Effort::kFewRays : Tracer::Effort::kManyRays);
+  Setting setting{scene, tracer, light, options, tracer.convex()};
+  const MethodChoice choice = choose_method(setting);
+  result.method = choice.method;
+  result.method_reason = choice.reason;
+  setting.sh_degree = choice.sh_degree;
+  Painting painting(setting, choice.method);
+  paint(painting, scene, options);
+  if (options.method == RenderMethod::kAuto && choice.method == RenderMethod::kSh && painting.saw_backs()) {
+    // The choice was made for what is seen from outside.
+    result.rays = painting.rays();
+    result.method = RenderMethod::kMis;
+    result.method_reason = "surfaces are seen from behind, where the scene is in the way of the light";
+    Painting again(setting, result.method);
+    paint(again, scene, options);
+    finish(again, scene, result);
+    return result;
   }
-  develop(film, result);
-  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& mesh) { return mesh.material.shadow_catcher; }))
-    develop_ground(film, result);
-  result.samples_per_pixel = options.samples;
-  result.estimated_error = error_of(film, options.samples);
-  if (setting.convex && !painter.exact()) {
+  finish(painting, scene, result);
+  if (setting.convex && !painting.exact() && !painting.saw_backs())
     result.skipped = "shadow rays: the scene is convex, nothing can occlude; error 0";
-  }
+  if (options.method == RenderMethod::kAuto && choice.method == RenderMethod::kSh) result.skipped = choice.skipped;
   return result;
 }
 

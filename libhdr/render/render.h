@@ -13,13 +13,14 @@
 namespace hdr {
 
 /// kMc: cosine-stratified directions, eq. 9 of the lecture with its 1/(N M) and visibility. kImportance: directions
-/// from the probe. kStructured: one direction from each stratum of the probe's light [Agarwal03]. kMis: from the probe
-/// and from the surface, weighted by the balance heuristic [Veach95]. kAo: not light but openness, the share of the
-/// hemisphere that sees the sky, on every material. kSh: irradiance from nine coefficients, no shadows, on diffuse
-/// materials. kPrt: precomputed transfer, shadows included, of harmonics to degree 4, interpolated between vertices, on
-/// diffuse materials. Other materials are lit as by kMis, but under kMc from their own lobes and under kImportance from
-/// the probe alone. kAuto: kMis. Light reaches a surface straight from the probe; only mirrors show other objects.
-enum class RenderMethod { kAuto, kMc, kImportance, kStructured, kMis, kAo, kSh, kPrt };
+/// from the probe. kStructured: one direction from each stratum of the probe's light [Agarwal03]. kPixels: every pixel
+/// of the probe a directional light, by subsets that cover it evenly. kMis: from the probe and from the surface,
+/// weighted by the balance heuristic [Veach95]. kAo: not light but openness, the share of the hemisphere that sees the
+/// sky, on every material. kSh: irradiance from nine coefficients, no shadows, on diffuse materials. kPrt: precomputed
+/// transfer, shadows included, of harmonics to degree 4, interpolated between vertices, on diffuse materials. Other
+/// materials are lit as by kMis, but under kMc from their own lobes and under kImportance from the probe alone. kAuto:
+/// kMis. Light reaches a surface straight from the probe; only mirrors show other objects.
+enum class RenderMethod { kAuto, kMc, kPixels, kImportance, kStructured, kMis, kAo, kSh, kShAo, kMeanAo, kPrt };
 std::optional<RenderMethod> render_method_from_name(const std::string& name);
 const char* name_of(RenderMethod method);
 
@@ -33,9 +34,12 @@ struct RenderOptions {
   std::uint64_t seed = 1;
   /// Of kPrt, one a mesh, which then needs normals. Empty: computed, on the meshes cut finer (tessellated()).
   std::vector<Transfer> transfer = {};
-  std::function<void(double done)> progress;  ///< share of the picture, 0..1, from any thread
+  std::function<void(double done)> progress = {};  ///< share of the picture, 0..1, from any thread
   FilmFilter filter = FilmFilter::kBox;
   bool backdrop = true;  ///< false: black beside the scene; mirrors show the probe all the same
+  /// Above 0: paint until the estimated relative standard error of each pixel is this small, spending nothing on pixels
+  /// that are there; `samples` is then the most that a pixel may get.
+  double error = 0;
 };
 
 struct Rendering {
@@ -48,6 +52,7 @@ struct Rendering {
   Image<float> ground;
   Image<float> albedo, depth;  ///< where surface_layers() (layers.h) was asked; render() leaves them empty
   RenderMethod method{};       ///< what kAuto became
+  std::string method_reason;   ///< why; empty when the method was given
   std::int64_t rays = 0;
   double samples_per_pixel = 0;
   /// Rms over fully covered, lit pixels of the standard error of luminance divided by its value, from the spread of the

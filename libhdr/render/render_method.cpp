@@ -14,11 +14,14 @@ struct NamedMethod {
 constexpr NamedMethod kMethods[] = {
     {"auto", RenderMethod::kAuto},
     {"mc", RenderMethod::kMc},
+    {"pixels", RenderMethod::kPixels},
     {"importance", RenderMethod::kImportance},
     {"structured", RenderMethod::kStructured},
     {"mis", RenderMethod::kMis},
     {"ao", RenderMethod::kAo},
     {"sh", RenderMethod::kSh},
+    {"sh-ao", RenderMethod::kShAo},
+    {"mean-ao", RenderMethod::kMeanAo},
     {"prt", RenderMethod::kPrt},
 };
 
@@ -41,6 +44,8 @@ std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& 
   switch (method) {
     case RenderMethod::kMc:
       return make_mc(setting);
+    case RenderMethod::kPixels:
+      return make_pixels(setting);
     case RenderMethod::kImportance:
       return make_mis(setting, 1);
     case RenderMethod::kStructured:
@@ -51,6 +56,10 @@ std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& 
       return make_ao(setting);
     case RenderMethod::kSh:
       return make_sh(setting);
+    case RenderMethod::kShAo:
+      return make_occluded_sh(setting);
+    case RenderMethod::kMeanAo:
+      return make_occluded_mean(setting);
     case RenderMethod::kPrt:
       return make_prt(setting);
     case RenderMethod::kAuto:

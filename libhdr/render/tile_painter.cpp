@@ -107,7 +107,7 @@ void TilePainter::follow(const Vec3f& towards, int place, std::optional<Hit>& hi
 
 void TilePainter::trace(const Pass& pass, int camera_ray, Workspace& work, std::int64_t& rays) const {
   const std::size_t count = work.pixels.size();
-  const auto number = static_cast<std::uint32_t>(pass.index * pass.camera_rays + camera_ray);
+  const auto number = static_cast<std::uint32_t>(pass.first_camera_ray + camera_ray);
   for (std::size_t k = 0; k < count; ++k) {
     const Vec2 jitter = sobol_point(number, address(pass.seed, work.indices[k], 0, 0));
     const Vec3f dir = camera_.dir_from_px(work.pixels[k] + filtered_place(setting_.options.filter, jitter));
@@ -157,12 +157,12 @@ void TilePainter::collect(const Pass& pass, Workspace& work, Film& film) const {
   }
 }
 
-int TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8_t>& done, Film& film,
-                       std::int64_t& rays) const {
+void TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8_t>& done, Film& film,
+                        Tally& tally) const {
   static thread_local Workspace work;
   find_pixels(tile, done, work);
   const auto pixels = static_cast<int>(work.pixels.size());
-  if (pixels == 0) return 0;
+  if (pixels == 0) return;
   const int places = (pixels + Tracer::kPacket - 1) / Tracer::kPacket * Tracer::kPacket;
   const auto all = static_cast<std::size_t>(places * pass.camera_rays);
   work.surfaces.resize(places, pass.camera_rays);
@@ -180,11 +180,12 @@ int TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8_
   work.ground.assign(all, 0);
   work.irradiance.reset(places * pass.camera_rays);
   work.radiance.reset(places * pass.camera_rays);
-  for (int ray = 0; ray < pass.camera_rays; ++ray) trace(pass, ray, work, rays);
-  integrator_->irradiance(work.surfaces, pass, work.irradiance, rays);
-  if (has_gloss_) gloss_.radiance(work.surfaces, pass, work.radiance, rays);
+  for (int ray = 0; ray < pass.camera_rays; ++ray) trace(pass, ray, work, tally.rays);
+  integrator_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
+  if (has_gloss_) gloss_.radiance(work.surfaces, pass, work.radiance, tally.rays);
   collect(pass, work, film);
-  return pixels;
+  tally.directions += std::int64_t{pixels} * pass.directions;
+  tally.backs += !work.surfaces.fronts;
 }
 
 }  // namespace hdr

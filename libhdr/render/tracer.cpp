@@ -46,6 +46,66 @@ void fill_packet(const RayArrays& rays, int first, RTCRay16& packet) {
   std::fill_n(packet.flags, kPacket, 0u);
 }
 
+// Rays are put together until a packet is full: a packet costs the same with one ray as with sixteen.
+class OcclusionPacket {
+ public:
+  OcclusionPacket(RTCScene tree, std::span<std::int32_t> wanted) : tree_(tree), wanted_(wanted) {
+    rtcInitIntersectContext(&context_);
+    context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    std::fill_n(packet_.tnear, kSize, 0.0f);
+    std::fill_n(packet_.time, kSize, 0.0f);
+    std::fill_n(packet_.mask, kSize, ~0u);
+    std::fill_n(packet_.id, kSize, 0u);
+    std::fill_n(packet_.flags, kSize, 0u);
+  }
+
+  bool empty() const { return count_ == 0; }
+
+  void add(const RayArrays& rays, std::size_t k) {
+    packet_.org_x[count_] = rays.origin_x[k];
+    packet_.org_y[count_] = rays.origin_y[k];
+    packet_.org_z[count_] = rays.origin_z[k];
+    packet_.dir_x[count_] = rays.dir_x[k];
+    packet_.dir_y[count_] = rays.dir_y[k];
+    packet_.dir_z[count_] = rays.dir_z[k];
+    owners_[count_] = k;
+    if (++count_ == kSize) flush();
+  }
+
+  void trace_all(const RayArrays& rays, std::size_t first) {
+    std::copy_n(rays.origin_x + first, kSize, packet_.org_x);
+    std::copy_n(rays.origin_y + first, kSize, packet_.org_y);
+    std::copy_n(rays.origin_z + first, kSize, packet_.org_z);
+    std::copy_n(rays.dir_x + first, kSize, packet_.dir_x);
+    std::copy_n(rays.dir_y + first, kSize, packet_.dir_y);
+    std::copy_n(rays.dir_z + first, kSize, packet_.dir_z);
+    for (std::size_t lane = 0; lane < kSize; ++lane) owners_[lane] = first + lane;
+    count_ = kSize;
+    flush();
+  }
+
+  void flush() {
+    if (count_ == 0) return;
+    alignas(64) std::int32_t valid[kSize];
+    for (std::size_t lane = 0; lane < kSize; ++lane) valid[lane] = lane < count_ ? -1 : 0;
+    std::fill_n(packet_.tfar, kSize, kFar);
+    rtcOccluded16(valid, tree_, &context_, &packet_);
+    // Embree's sign for "something is in the way" is a far end of minus infinity.
+    for (std::size_t lane = 0; lane < count_; ++lane)
+      if (packet_.tfar[lane] < 0) wanted_[owners_[lane]] = 0;
+    count_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kSize = Tracer::kPacket;
+  RTCScene tree_;
+  std::span<std::int32_t> wanted_;
+  RTCIntersectContext context_;
+  RTCRay16 packet_;
+  std::size_t owners_[kSize];
+  std::size_t count_ = 0;
+};
+
 struct Triangle {
   std::array<Vec3f, 3> p;
   std::array<Vec3f, 3> n;  ///< zero where the mesh is flat
@@ -201,24 +261,20 @@ void Tracer::intersect(const RayArrays& rays, std::span<std::optional<Hit>> hits
 
 int Tracer::visible(const RayArrays& rays, std::span<std::int32_t> wanted) const {
   HDR_ASSERT(wanted.size() % kPacket == 0);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  OcclusionPacket packet(impl_->tree, wanted);
   int traced = 0;
   for (std::size_t first = 0; first < wanted.size(); first += kPacket) {
-    std::int32_t* lanes = wanted.data() + first;
     int rays_here = 0;
-    for (int k = 0; k < kPacket; ++k) rays_here -= lanes[k];
-    if (rays_here == 0) continue;
+    for (std::size_t k = first; k < first + kPacket; ++k) rays_here -= wanted[k];
     traced += rays_here;
-    RTCRay16 packet;
-    alignas(64) std::int32_t valid[kPacket];
-    fill_packet(rays, static_cast<int>(first), packet);
-    std::copy_n(lanes, kPacket, valid);
-    rtcOccluded16(valid, impl_->tree, &context, &packet);
-    // Embree's sign for "something is in the way" is a far end of minus infinity.
-    for (int k = 0; k < kPacket; ++k) lanes[k] = packet.tfar[k] < 0 ? 0 : lanes[k];
+    if (rays_here == kPacket && packet.empty()) {
+      packet.trace_all(rays, first);
+    } else if (rays_here > 0) {
+      for (std::size_t k = first; k < first + kPacket; ++k)
+        if (wanted[k] != 0) packet.add(rays, k);
+    }
   }
+  packet.flush();
   return traced;
 }
 

@@ -19,7 +19,8 @@ struct Options {
   SceneInput scene;
   RenderOutput output;
   std::string method = "auto", size = "640x480", filter = "box";
-  int samples = 64;
+  std::optional<int> samples;
+  double error = 0;
   std::uint64_t seed = 1;
   ReportFlag report;
 };
@@ -37,6 +38,7 @@ Image<float> add_layers(Run& run, const RenderOutput& output, const Scene& scene
   settings.transfer.clear();
   settings.progress = nullptr;
   settings.backdrop = false;
+  if (settings.error > 0) settings.samples = 256, settings.error = 0;  // the error asked for is the picture's
   return run.stage("ao", [&] { return std::move(render(scene, light, settings).picture.rgb); });
 }
 
@@ -47,10 +49,20 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
   options->probe.declare(app, false);
   options->output.declare(app);
   options->scene.declare(app);
-  app.add_option("--method", options->method, "auto, mc, importance, structured, mis, ao, sh or prt")
-      ->check(CLI::IsMember({"auto", "mc", "importance", "structured", "mis", "ao", "sh", "prt"}))
+  app.add_option("--method", options->method,
+                 "auto (and says why), mc, pixels, importance, structured, mis, ao, sh, sh-ao, mean-ao or prt")
+      ->check(CLI::IsMember(
+          {"auto", "mc", "pixels", "importance", "structured", "mis", "ao", "sh", "sh-ao", "mean-ao", "prt"}))
       ->capture_default_str();
-  app.add_option("--samples", options->samples, "a pixel")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option(
+         "--samples", options->samples,
+         "directions a pixel (default 64); with auto the mean, half of it where it is needed; with --error the most "
+         "a pixel may get (default 16384)")
+      ->check(CLI::Range(1, 1 << 20));
+  app.add_option("--error", options->error,
+                 "render until the estimated relative error of each pixel is this small, say .02; nothing is spent on "
+                 "pixels that are there")
+      ->check(CLI::Range(1e-4, 1.0));
   app.add_option("--size", options->size, "of the picture")->capture_default_str();
   app.add_option("--filter", options->filter, "of the film: box is the pixel itself, blackman-harris three pixels wide")
       ->check(CLI::IsMember({"box", "blackman-harris"}))
@@ -60,7 +72,10 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
   return [options](Run& run) {
     options->report.check();
     const RenderMethod method = render_method_from_name(options->method).value();
-    RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples, options->seed, {}, {}};
+    RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples.value_or(64),
+                           options->seed};
+    settings.error = options->error;
+    if (options->error > 0 && !options->samples) settings.samples = 16384;
     settings.filter = options->filter == "box" ? FilmFilter::kBox : FilmFilter::kBlackmanHarris;
     settings.backdrop = !options->output.transparent;
     options->output.check();
@@ -77,6 +92,10 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
       settings.progress = [&progress](double done) { progress.update(done); };
       return render_on_ground(scene, light, settings);
     });
+    if (!result.method_reason.empty()) {
+      run.answer["method_reason"] = result.method_reason;
+      run.say(fmt::format("auto is {}: {}", name_of(result.method), result.method_reason));
+    }
     if (!result.skipped.empty()) run.clock.skipped(result.skipped);
     const Stage& stage = run.clock.stages().back();
     run.answer["seconds"] = stage.seconds;

@@ -26,11 +26,11 @@ class Mc : public Integrator {
       const int camera_ray = pass.camera_ray_of(row);
       towards.turn(pool_, pool_.begin(row, at.tile), at, camera_ray);
       towards.keep_visible(visibility_, at, camera_ray, rays);
-      latlong_pixels(towards.x.data(), towards.y.data(), towards.z.data(), at.places, map_.size(), pixels.data());
+      latlong_offsets(towards.x.data(), towards.y.data(), towards.z.data(), at.places, map_, pixels.data());
       const auto first = static_cast<std::size_t>(camera_ray * at.places);
       for (std::size_t k = 0; k < pixels.size(); ++k) {
         if (!towards.wanted[k]) continue;
-        const float* p = map_.pixel(pixels[k] % map_.width(), pixels[k] / map_.width());
+        const float* p = map_.data() + pixels[k];
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c][first + k] += weight * p[c];
       }
     }

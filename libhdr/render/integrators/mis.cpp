@@ -45,20 +45,20 @@ class Mis : public Integrator {
       towards.add(from_probe_, begin, camera_ray, out);
     }
     const View<const float> map = light_.latlong();
+    const Environment::DensityLaw law = light_.density_law();
     std::vector<std::int32_t> pixels(static_cast<std::size_t>(at.places));
     for (int row = 0; row < from_surface_.rows; ++row) {
       const int camera_ray = pass.camera_ray_of(from_probe_.rows + row);
       const std::size_t begin = from_surface_.begin(row, at.tile);
       towards.turn(from_surface_, begin, at, camera_ray);
       towards.keep_visible(visibility_, at, camera_ray, rays);
-      latlong_pixels(towards.x.data(), towards.y.data(), towards.z.data(), at.places, map.size(), pixels.data());
+      latlong_offsets(towards.x.data(), towards.y.data(), towards.z.data(), at.places, map, pixels.data());
       const auto first = static_cast<std::size_t>(camera_ray * at.places);
       for (std::size_t k = 0; k < pixels.size(); ++k) {
         if (!towards.wanted[k]) continue;
-        const int x = pixels[k] % map.width(), y = pixels[k] / map.width();
+        const float* p = map.data() + pixels[k];
         const float cosine = from_surface_.z[begin + k];
-        const float weight = cosine / (probe_density * light_.pdf_of_pixel(x, y) + surface_density * cosine);
-        const float* p = map.pixel(x, y);
+        const float weight = cosine / (probe_density * law.pdf(p) + surface_density * cosine);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c][first + k] += weight * p[c];
       }
     }

@@ -12,15 +12,13 @@ namespace {
 
 class Structured : public Integrator {
  public:
-  Structured(const Setting& setting, bool rectangles)
-      : visibility_(setting.tracer, setting.convex), map_(setting.light.latlong()), rectangles_(rectangles) {}
+  using Cut = LightStrata (*)(View<const float> latlong, int count);
+  Structured(const Setting& setting, Cut cut)
+      : visibility_(setting.tracer, setting.convex), map_(setting.light.latlong()), cut_(cut) {}
 
   void begin(const Pass& pass) override {
     auto [strata, made] = strata_.try_emplace(pass.directions, nullptr);
-    if (made) {
-      strata->second = std::make_unique<LightStrata>(rectangles_ ? LightStrata::rectangles(map_, pass.directions)
-                                                                 : LightStrata::structured(map_, pass.directions));
-    }
+    if (made) strata->second = std::make_unique<LightStrata>(cut_(map_, pass.directions));
     pool_ = stratified_light(*strata->second, address(pass.seed, static_cast<std::uint64_t>(pass.index), 0, 2));
   }
 
@@ -39,7 +37,7 @@ class Structured : public Integrator {
  private:
   Visibility visibility_;
   View<const float> map_;
-  bool rectangles_;
+  Cut cut_;
   std::map<int, std::unique_ptr<LightStrata>> strata_;  ///< by their number
   DirectionPool pool_;
 };
@@ -47,11 +45,14 @@ class Structured : public Integrator {
 }  // namespace
 
 std::unique_ptr<Integrator> make_structured(const Setting& setting) {
-  return std::make_unique<Structured>(setting, false);
+  return std::make_unique<Structured>(setting, &LightStrata::structured);
 }
 
-std::unique_ptr<Integrator> make_rectangles(const Setting& setting) {
-  return std::make_unique<Structured>(setting, true);
+// The lecture's second view of the integral: every pixel of the probe a directional light. A pass takes a subset that
+// covers the map evenly, each pixel with the light of the cell that it was drawn from; with as many directions as
+// pixels, all.
+std::unique_ptr<Integrator> make_pixels(const Setting& setting) {
+  return std::make_unique<Structured>(setting, &LightStrata::grid);
 }
 
 }  // namespace hdr

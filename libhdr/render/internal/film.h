@@ -28,14 +28,15 @@ class Film {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
   }
   Size size() const { return size_; }
+  std::size_t count() const { return pixels_.size(); }
   Rgb radiance(std::size_t pixel) const;
   float coverage(std::size_t pixel) const;
   Rgb ground(std::size_t pixel) const;
   float ground_share(std::size_t pixel) const;
   Vec3f normal(std::size_t pixel) const;  ///< mean of the camera rays' normals; 0 where nothing was met
   double weight(std::size_t pixel) const { return pixels_[pixel].weight; }
-  /// Of luminance. Of the mean over the passes, from their spread; unknown (nullopt-like: < 0) after fewer than two.
   double luminance_of(std::size_t pixel) const;
+  /// Of the luminance of the mean over the passes, from their spread; -1, not known, after fewer than two.
   double variance(std::size_t pixel) const;
 
  private:

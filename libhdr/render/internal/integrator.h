@@ -17,6 +17,7 @@ struct Pass {
   int directions = 1;   ///< for each pixel, dealt to its camera rays in turn
   int camera_rays = 1;  ///< of each pixel; not more than directions
   std::uint64_t seed = 1;
+  int first_camera_ray = 0;  ///< how many each pixel may have had before
 
   /// Which camera ray has direction k; over the passes, each has each.
   int camera_ray_of(int k) const { return (k + index) % camera_rays; }
@@ -28,7 +29,8 @@ struct Setting {
   const Tracer& tracer;
   const Environment& light;
   const RenderOptions& options;
-  bool convex;  ///< of the scene: what leaves a front meets nothing
+  bool convex;        ///< of the scene: what leaves a front meets nothing
+  int sh_degree = 2;  ///< of kSh
 };
 
 class Integrator {
@@ -72,11 +74,20 @@ ProbeShare probe_share(const Pass& pass, double share);
 std::unique_ptr<Integrator> make_mc(const Setting& setting);
 std::unique_ptr<Integrator> make_mis(const Setting& setting, double share_of_probe);
 std::unique_ptr<Integrator> make_structured(const Setting& setting);
-/// The same on rectangles, which a pass over the map cuts.
-std::unique_ptr<Integrator> make_rectangles(const Setting& setting);
+std::unique_ptr<Integrator> make_pixels(const Setting& setting);
 std::unique_ptr<Integrator> make_ao(const Setting& setting);
 std::unique_ptr<Integrator> make_sh(const Setting& setting);
+std::unique_ptr<Integrator> make_occluded_sh(const Setting& setting);
+std::unique_ptr<Integrator> make_occluded_mean(const Setting& setting);
 std::unique_ptr<Integrator> make_prt(const Setting& setting);
+
+/// What kAuto becomes, and why; another method is itself.
+struct MethodChoice {
+  RenderMethod method;
+  int sh_degree = 2;
+  std::string reason = {}, skipped = {};
+};
+MethodChoice choose_method(const Setting& setting);
 
 /// Of `method`, which is none of kAuto.
 std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& setting);

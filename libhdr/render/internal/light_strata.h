@@ -14,9 +14,9 @@ class LightStrata {
   /// Structured importance sampling [Agarwal03], by make_lights(). `latlong` must outlive the strata.
   static LightStrata structured(View<const float> latlong, int count);
 
-  /// Rectangles of the lat-long, the most important cut in two of equal light until there are `count`; importance as in
-  /// [Agarwal03], L dw^(1/4). Takes a pass over the map.
-  static LightStrata rectangles(View<const float> latlong, int count);
+  /// Cells of an even grid over the map, twice as many across as down, `count` or a few less; every pixel is one of its
+  /// own when there are as many.
+  static LightStrata grid(View<const float> latlong, int count);
 
   /// Strata that have light; fewer than were asked for where the map has fewer pixels or black regions.
   int count() const { return static_cast<int>(ends_.size()); }

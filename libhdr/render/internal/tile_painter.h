@@ -11,6 +11,20 @@
 
 namespace hdr {
 
+/// What painting took.
+struct Tally {
+  std::int64_t rays = 0;
+  std::int64_t directions = 0;  ///< sum over pixels
+  std::int64_t backs = 0;       ///< tiles that saw a surface from behind
+
+  Tally& operator+=(const Tally& other) {
+    rays += other.rays;
+    directions += other.directions;
+    backs += other.backs;
+    return *this;
+  }
+};
+
 class TilePainter {
  public:
   static constexpr int kTile = 8;  ///< pixels along each side: DirectionPool::kVariants in all
@@ -20,9 +34,8 @@ class TilePainter {
   int tiles() const { return across_ * down_; }
   /// Once a pass, before its tiles.
   void begin(const Pass& pass);
-  /// Adds an estimate of the pass to those pixels of the tile that are not yet `done` (empty: all); returns how many.
-  /// From any thread.
-  int paint(int tile, const Pass& pass, const std::vector<std::uint8_t>& done, Film& film, std::int64_t& rays) const;
+  /// Adds an estimate of the pass to those pixels of the tile that are not yet `done` (empty: all). From any thread.
+  void paint(int tile, const Pass& pass, const std::vector<std::uint8_t>& done, Film& film, Tally& tally) const;
   bool exact() const { return integrator_->exact() && !has_gloss_; }
 
  private:

@@ -172,6 +172,8 @@ TEST(Render, MethodsAgreeOnTheOccludedScene) {
   const Size size{40, 30};
   const Truth mis = many_seeds(scene, light, {RenderMethod::kMis, size, 36, 1, {}}, 12);
   expect_same_light(many_seeds(scene, light, {RenderMethod::kImportance, size, 36, 1, {}}, 12), mis, "importance, mis");
+  expect_same_light(many_seeds(scene, light, {RenderMethod::kStructured, size, 36, 1, {}}, 24), mis, "structured, mis");
+  expect_same_light(many_seeds(scene, light, {RenderMethod::kAuto, size, 36, 1, {}}, 24), mis, "auto, mis");
   // Without importance the sun is met so seldom that its z-scores are not normal: a wider sun for mc.
   const Environment soft = soft_probe();
   expect_same_light(many_seeds(scene, soft, {RenderMethod::kMc, size, 36, 1, {}}, 12),
@@ -299,6 +301,155 @@ TEST(Render, EstimatedErrorIsTheTrueOne) {
     const double estimated = render(scene, light, options).estimated_error;
     EXPECT_GT(estimated, error / 1.5) << samples << " samples";
     EXPECT_LT(estimated, error * 1.5) << samples << " samples";
+  }
+}
+
+// Mean and standard error over seeds of the picture's mean, of pixels that are always covered.
+struct MeanLight {
+  double mean = 0, error = 0;
+};
+
+MeanLight mean_light(const Scene& scene, const Environment& light, RenderOptions options, int seeds) {
+  const Truth truth = many_seeds(scene, light, options, seeds);
+  double squares = 0;
+  MeanLight result;
+  for (int seed = 0; seed < seeds; ++seed) {
+    options.seed = 5000 + static_cast<std::uint64_t>(seed);
+    const Rendering r = render(scene, light, options);
+    double sum = 0;
+    int count = 0;
+    for (int y = 0; y < options.size.height; ++y) {
+      for (int x = 0; x < options.size.width; ++x) {
+        if (truth.alpha(x, y) < 1) continue;
+        const float* p = r.picture.rgb.pixel(x, y);
+        sum += luminance<double>(p[0], p[1], p[2]);
+        ++count;
+      }
+    }
+    const double step = sum / count - result.mean;
+    result.mean += step / (seed + 1);
+    squares += step * (sum / count - result.mean);
+  }
+  result.error = std::sqrt(squares / (seeds - 1) / seeds);
+  return result;
+}
+
+TEST(Render, WhiteFurnaceIsWhiteInEveryUnbiasedMethod) {
+  const Environment furnace = constant_probe(1);
+  const double white = luminance(1.0, 1.1, 1.2);
+  for (const char* material : {"diffuse:1", "mirror"}) {
+    for (const RenderMethod method :
+         {RenderMethod::kMc, RenderMethod::kPixels, RenderMethod::kImportance, RenderMethod::kStructured,
+          RenderMethod::kMis, RenderMethod::kAuto, RenderMethod::kSh, RenderMethod::kShAo, RenderMethod::kMeanAo}) {
+      Material of_sphere = material_from_text(material);
+      if (of_sphere.kind == MaterialKind::kMirror) of_sphere.color = Rgbf::Ones();
+      const MeanLight got = mean_light(sphere_alone(of_sphere), furnace, {method, {24, 18}, 16, 1, {}}, 8);
+      // Eight seeds: the standard error is itself known to a quarter.
+      EXPECT_NEAR(got.mean, white, 3 * 1.5 * got.error + 1e-4 * white) << material << " by " << name_of(method);
+    }
+  }
+}
+
+// Stopping where the estimate looks good prefers pixels that missed the light by chance [Tamstorf97]: shadow edges and
+// small suns would come out too dark.
+TEST(Render, StoppingAtAnErrorAddsNoBias) {
+  const Scene scene = spheres_on_plane();
+  const Environment light = sunny_probe();
+  const Size size{40, 30};
+  const MeanLight even = mean_light(scene, light, {RenderMethod::kMis, size, 144, 1, {}}, 10);
+  for (const double error : {0.3, 0.1}) {
+    RenderOptions options{RenderMethod::kAuto, size, 4096, 1, {}};
+    options.error = error;
+    const MeanLight stopped = mean_light(scene, light, options, 20);
+    EXPECT_NEAR(stopped.mean / even.mean, 1, 3.5 * std::hypot(stopped.error, even.error) / even.mean + 5e-4)
+        << "at error " << error;
+  }
+}
+
+TEST(Render, StopsAtTheErrorAndSpendsNothingOnPixelsThatAreThere) {
+  Scene scene = spheres_on_plane();
+  scene.meshes[2].material = scene.meshes[3].material = scene.meshes[1].material;
+  const Environment light = sunny_probe();
+  const Size size{64, 48};
+  const Truth truth = many_seeds(scene, light, {RenderMethod::kMis, size, 400, 1, {}}, 6);
+  for (const double error : {0.2, 0.05}) {
+    RenderOptions options{RenderMethod::kMis, size, 1 << 14, 1, {}};
+    options.error = error;
+    const Rendering r = render(scene, light, options);
+    double relative = 0, mean = 0;
+    int count = 0;
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) mean += truth.mean(x, y) / (size.width * size.height);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        if (truth.alpha(x, y) < 1) continue;
+        const float* p = r.picture.rgb.pixel(x, y);
+        const double t = truth.mean(x, y);
+        relative += std::pow(luminance<double>(p[0], p[1], p[2]) - t, 2) / (t * t + 0.01 * mean * mean);
+        ++count;
+      }
+    }
+    EXPECT_LT(std::sqrt(relative / count), 1.3 * error) << "asked for " << error;
+    EXPECT_LE(r.estimated_error, 2 * error) << "of which deep shadows have the most";
+    EXPECT_LT(r.samples_per_pixel, 1 << 13);
+    EXPECT_GE(r.samples_per_pixel, 32);
+    if (error > 0.1) continue;
+    // The same work everywhere does less.
+    const Rendering even =
+        render(scene, light, {RenderMethod::kMis, size, static_cast<int>(r.samples_per_pixel), 1, {}});
+    EXPECT_GT(even.estimated_error, r.estimated_error) << "asked for " << error;
+  }
+}
+
+TEST(Render, AutoSaysWhatItChoseAndWhy) {
+  const Scene alone = sphere_alone(material_from_text("diffuse:0.5"));
+  const Rendering soft = render(alone, soft_probe(), {RenderMethod::kAuto, {24, 18}, 16, 1, {}});
+  EXPECT_EQ(soft.method, RenderMethod::kSh);
+  EXPECT_NE(soft.method_reason.find("nothing can occlude"), std::string::npos) << soft.method_reason;
+  EXPECT_NE(soft.skipped.find("error at most"), std::string::npos) << soft.skipped;
+  const Rendering sunny = render(alone, sunny_probe(), {RenderMethod::kAuto, {24, 18}, 16, 1, {}});
+  EXPECT_EQ(sunny.method, RenderMethod::kMis);
+  EXPECT_NE(sunny.method_reason.find("% of the probe's light"), std::string::npos) << sunny.method_reason;
+  // From inside the sphere nothing is lit, whatever the harmonics say.
+  Scene inside = alone;
+  inside.camera = {{0, 0, 0.5f}, {0, 0, -1}, 60};
+  const Rendering dark = render(inside, soft_probe(), {RenderMethod::kAuto, {24, 18}, 16, 1, {}});
+  EXPECT_NE(dark.method, RenderMethod::kSh);
+  EXPECT_EQ(dark.picture.rgb(12, 9, 1), 0);
+}
+
+TEST(Render, AoOfAPlaneUnderASphereIsWhatGeometrySays) {
+  // Straight below a sphere of radius r whose centre is h above: the sphere takes (r / h)^2 of the cosine-weighted sky.
+  Scene scene;
+  scene.meshes.push_back(plane_mesh(50, 0, material_from_text("diffuse:0.2")));
+  scene.meshes.push_back(sphere_mesh({0, 2, 0}, 1, material_from_text("mirror"), 256));
+  scene.camera = {{1.5f, 0.4f, 0}, {0, 0, 0}, 3};
+  const Rendering r = render(scene, sunny_probe(), {RenderMethod::kAo, {9, 9}, 8192, 1, {}});
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(r.picture.rgb(4, 4, c), 0.75, 0.01) << "neither albedo nor probe takes part";
+}
+
+TEST(Render, BadScenesAreEmptyPicturesNotCrashes) {
+  const Environment light = sunny_probe();
+  const Material grey = material_from_text("diffuse:0.5");
+  Scene none;
+  Scene degenerate = spheres_on_plane(), broken = spheres_on_plane();
+  Mesh nothing;
+  nothing.material = grey;
+  nothing.positions.assign(3, Vec3f(0, 1, 0));
+  nothing.indices = {0, 1, 2, 0, 0, 0};
+  degenerate.meshes.push_back(nothing);
+  for (Vec3f& p : nothing.positions) p = Vec3f::Constant(std::nanf(""));
+  broken.meshes.push_back(nothing);
+  Scene inside = spheres_on_plane();
+  inside.camera.eye = Vec3f(0, 0.65f, 0);
+  inside.camera.look = Vec3f(1, 0.65f, 0);
+  for (const Scene* scene : {&none, &degenerate, &broken, &inside}) {
+    for (const RenderMethod method : {RenderMethod::kAuto, RenderMethod::kMc, RenderMethod::kStructured,
+                                      RenderMethod::kAo, RenderMethod::kSh, RenderMethod::kShAo}) {
+      const Rendering r = render(*scene, light, {method, {24, 18}, 16, 1, {}});
+      for (int y = 0; y < 18; ++y)
+        for (int x = 0; x < 24 * 3; ++x) ASSERT_TRUE(std::isfinite(r.picture.rgb.row(y)[x])) << name_of(method);
+    }
   }
 }
 
