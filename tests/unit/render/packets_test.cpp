@@ -49,13 +49,16 @@ TEST(Packets, TellWhatSingleRaysTell) {
     const bool occluded = tracer.occluded(origins[k], dirs[k]);
     if (wanted[k] != 0) differing += (visible[k] != 0) == occluded;
     blocked += wanted[k] != 0 && occluded;
-    if (wanted[k] == 0) EXPECT_EQ(visible[k], 0) << "a ray that nobody asked for";
+    if (wanted[k] == 0) {
+      EXPECT_EQ(visible[k], 0) << "a ray that nobody asked for";
+    }
     if (k >= hits.size()) continue;
     const std::optional<Hit> hit = tracer.intersect(origins[k], dirs[k]);
-    if (hit.has_value() != hits[k].has_value())
+    if (hit.has_value() != hits[k].has_value()) {
       ++differing;
-    else if (hit)
+    } else if (hit) {
       EXPECT_LT((hit->position - hits[k]->position).norm(), 1e-4f);
+    }
   }
   EXPECT_EQ(traced, expected_traced);
   EXPECT_GT(blocked, 50);
@@ -82,7 +85,7 @@ TEST(LatLongLookup, MeetsThePixelsOfTheExactFormula) {
     const Vec2 uv = latlong_from_dir(dirs[k].cast<double>().normalized());
     const int column = std::min(static_cast<int>(uv.x() * 1000), 999),
               row = std::min(static_cast<int>(uv.y() * 500), 499);
-    differing += offsets[k] != map.pixel(column, row) - map.data();
+    differing += offsets[k] != map.pixel(column, row) - map.row(0);
   }
   EXPECT_LE(differing, 8) << "more than rounding at the pixels' borders";
 }
