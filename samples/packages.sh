@@ -18,9 +18,6 @@ HDR_BENCH_PACKAGES=(libopencv-photo-dev libbenchmark-dev)
 # whose kernel is fetched but not installed. Without them those tests are skipped, and say so.
 HDR_CAMERA_PACKAGES=(libcamera-dev qemu-system-x86 busybox-static cpio kmod python3 udev)
 
-# What its tests of reports in a browser need besides: 64 MB to fetch, 20 s to install. Without it they are skipped.
-HDR_BROWSER_PACKAGES=(chromium-headless-shell)
-
 # Runs as root: directly, or through sudo.
 as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi

@@ -7,8 +7,6 @@ install_packages "${HDR_BUILD_PACKAGES[@]}" "${HDR_TEST_PACKAGES[@]}" "${HDR_BEN
 # Cameras are not worth a red run where these cannot be had.
 install_packages "${HDR_CAMERA_PACKAGES[@]}" ||
   echo "camera tests: not all of these could be installed: ${HDR_CAMERA_PACKAGES[*]}"
-install_packages "${HDR_BROWSER_PACKAGES[@]}" ||
-  echo "tests of reports in a browser are skipped: not installed: ${HDR_BROWSER_PACKAGES[*]}"
 tests/camera/vm.sh --prepare || echo "camera tests: those with real drivers are skipped, see the line above"
 
 cmake --preset ci -DHDR_BUILD_TESTS=ON >/dev/null

@@ -61,10 +61,16 @@ bool decodes_in_one_pass(const OIIO::ImageInput& input, const Path& path) {
   return format == "tiff" && input.spec().tile_width == 0;
 }
 
-/// OpenImageIO and OpenEXR keep pools of their own: they get as many threads as we have.
+/// OpenImageIO and OpenEXR keep pools of their own: they get as many threads as we have. OpenImageIO 2.4 resizes its pool
+/// at every call, and aborts when another thread asks meanwhile how large it is: files are opened from many threads.
 void share_threads() {
-  OIIO::attribute("threads", threads());
-  OIIO::attribute("exr_threads", threads());
+  static std::mutex guard;
+  static int shared = 0;
+  const std::lock_guard lock(guard);
+  if (shared == threads()) return;
+  shared = threads();
+  OIIO::attribute("threads", shared);
+  OIIO::attribute("exr_threads", shared);
 }
 
 /// Memory that this machine has, in bytes.
