@@ -13,7 +13,7 @@ ls -l "$tools" "$dev"
 echo "-- dependencies of the command, as read from it"
 depends=$(dpkg-deb -f "$tools" Depends)
 echo "$depends"
-for library in libopenimageio libceres libembree libtbb; do
+for library in libopenimageio libopencv-calib3d libembree libtbb; do
   [[ $depends == *$library* ]] || { echo "$library is missing from Depends" >&2; exit 1; }
 done
 

@@ -61,8 +61,9 @@ bool decodes_in_one_pass(const OIIO::ImageInput& input, const Path& path) {
   return format == "tiff" && input.spec().tile_width == 0;
 }
 
-/// OpenImageIO and OpenEXR keep pools of their own: they get as many threads as we have. OpenImageIO 2.4 resizes its pool
-/// at every call, and aborts when another thread asks meanwhile how large it is: files are opened from many threads.
+/// OpenImageIO and OpenEXR keep pools of their own: they get as many threads as we have. OpenImageIO 2.4 resizes its
+/// pool at every call, and aborts when another thread asks meanwhile how large it is: files are opened from many
+/// threads.
 void share_threads() {
   static std::mutex guard;
   static int shared = 0;
