@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "libhdr/core/median.h"
 #include "libhdr/merge/internal/ghost_cells.h"
 
 namespace hdr {
@@ -22,12 +23,6 @@ struct Ratio {
   std::size_t a = 0, b = 0;
   double ln = 0, variance = 1;
 };
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Variance of the median of values that err alike within a block: that of its influence, summed by blocks [Hampel74],
 /// as the sandwich of [White80] does for means. The density at the median is that of a normal distribution.

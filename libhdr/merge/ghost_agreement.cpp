@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "libhdr/core/median.h"
+
 namespace hdr::internal {
 namespace {
 
@@ -18,12 +20,6 @@ constexpr std::size_t kFewest = 60;     ///< cells behind a median
 constexpr std::size_t kSample = 30000;  ///< cells that medians look at, about
 /// Of the pixels of a lossy shot: a block's coefficients are wrong in many of them at once.
 constexpr float kIndependent = 0.25f;
-
-float median_of(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 float square(float x) {
   return x * x;

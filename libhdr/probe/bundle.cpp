@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libhdr/core/median.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/photo_links.h"
 
@@ -52,13 +53,6 @@ Vec2 relative(const Vec2& px, Size size) {
 struct Used {
   std::size_t link, match;
 };
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "libhdr/core/median.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/ball_camera.h"
@@ -26,12 +27,6 @@ constexpr double kLeastSupport = 0.5;
 constexpr double kLeastInFrame = 0.6;
 constexpr double kBlurred = 0.1;  ///< share of the coarse picture's evidence below which a level is out of focus
 
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Luminance above a small share of its median, which keeps black and its noise from ruling.
 Image<float> raised_luminance(View<const float> rgb) {
   constexpr double kShareOfMedian = 0.05;
@@ -40,7 +35,7 @@ Image<float> raised_luminance(View<const float> rgb) {
   for (int y = 0; y < rgb.height(); y += 4) {
     for (int x = 0; x < rgb.width(); x += 4) sample.push_back(result(x, y));
   }
-  const float base = std::max(1e-30f, static_cast<float>(kShareOfMedian) * median(sample));
+  const float base = std::max(1e-30f, static_cast<float>(kShareOfMedian) * median_of(sample));
   for (int y = 0; y < rgb.height(); ++y) {
     for (int x = 0; x < rgb.width(); ++x) result(x, y) += base;
   }
@@ -65,7 +60,7 @@ double noise_of(const Image<float>& picture) {
       second.push_back(std::abs(picture(x - 1, y) + picture(x + 1, y) - 2 * picture(x, y)) / picture(x, y));
     }
   }
-  return second.empty() ? kLeast : std::max(kLeast, 1.4826 * static_cast<double>(median(second)) / std::sqrt(6.0));
+  return second.empty() ? kLeast : std::max(kLeast, 1.4826 * static_cast<double>(median_of(second)) / std::sqrt(6.0));
 }
 
 using internal::Ellipse;

@@ -7,6 +7,7 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
+#include "libhdr/core/median.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/overlap_ring.h"
@@ -46,24 +47,17 @@ std::vector<double> log_ratios(View<const float> front, View<const float> back) 
   return ratios;
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void match_gains(View<const float> front, View<const float> back, FisheyePair& pair) {
   pair.views[0].gain = pair.views[1].gain = 1;
   const Ring ring = ring_of(pair.views[0], pair.views[1], 0.5 * pixels_per_radian(pair.views[0].lens));
   if (ring.height == 0) return;
-  const std::vector<double> ratios = log_ratios(unroll(front, pair.views[0], ring), unroll(back, pair.views[1], ring));
+  std::vector<double> ratios = log_ratios(unroll(front, pair.views[0], ring), unroll(back, pair.views[1], ring));
   const double ln_gain = median_of(ratios);
   pair.views[1].gain = std::exp(ln_gain);
   std::vector<double> deviations;
   for (const double r : ratios) deviations.push_back(std::abs(r - ln_gain));
   constexpr double kSigmaOfMedian = 1.4826;
-  pair.overlap_rms = kSigmaOfMedian * median_of(std::move(deviations));
+  pair.overlap_rms = kSigmaOfMedian * median_of(deviations);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libhdr/core/color.h"
+#include "libhdr/core/median.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/probe/internal/ball_sphere.h"
 
@@ -67,13 +68,6 @@ struct Small {
   }
 };
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 void fit_light(const std::vector<StitchPhoto>& photos, bool vignetting, Stitch& stitch) {
@@ -127,7 +121,7 @@ void fit_light(const std::vector<StitchPhoto>& photos, bool vignetting, Stitch& 
     if (pair(&gains[pair.a.photo], &gains[pair.b.photo], k, &residual)) off.push_back(std::abs(residual));
   }
   constexpr double kSigmaOfMedian = 1.4826;
-  stitch.overlap_rms = kSigmaOfMedian * median_of(std::move(off));
+  stitch.overlap_rms = kSigmaOfMedian * median_of(off);
 }
 
 }  // namespace hdr::internal

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "libhdr/core/error.h"
+#include "libhdr/core/median.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
 #include "libhdr/response/internal/sample_places.h"
@@ -60,12 +61,6 @@ struct Residual {
   double slope_squares;  ///< slope_short^2 + ratio^2 slope_long^2
   bool black;            ///< the shorter shot's code says no light
 };
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Robust variance: the median of the sizes, which for a normal distribution is .6745 deviations. Where black cuts the
 /// noise off below, only the residuals above the prediction are whole; elsewhere the centre is their own median, so
