@@ -58,6 +58,7 @@ struct Say {
   double light = 0;   ///< luminance, scaled
   int x = 0, y = 0;   ///< of its band
   const Source* source = nullptr;
+  bool clipped = false;
 };
 
 std::optional<Say> say_of(const Source& source, const Vignetting& vignetting, const Vec3& dir, int x, int y) {
@@ -78,8 +79,17 @@ std::optional<Say> say_of(const Source& source, const Vignetting& vignetting, co
   if (source.alpha) say.scale /= static_cast<double>(source.alpha_band(x, y));
   const float* p = source.rgb_band.pixel(x, y);
   say.light = say.scale * luminance<double>(p[0], p[1], p[2]);
-  if (static_cast<double>(std::max({p[0], p[1], p[2]})) >= source.photo->ceiling) say.weight *= kClippedSay;
+  say.clipped = static_cast<double>(std::max({p[0], p[1], p[2]})) >= source.photo->ceiling;
+  if (say.clipped) say.weight *= kClippedSay;
   return say;
+}
+
+/// What clipped is at least as bright as it looks: where nothing else is known, the greatest of these bounds holds, and
+/// a mean with lower ones would be below it.
+void keep_greatest_bound(std::vector<Say>& says) {
+  if (!std::all_of(says.begin(), says.end(), [](const Say& say) { return say.clipped; })) return;
+  const auto darker = [](const Say& a, const Say& b) { return a.light < b.light; };
+  says = {*std::max_element(says.begin(), says.end(), darker)};
 }
 
 /// Weights sum to 1.
@@ -134,6 +144,7 @@ RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& s
               }
               all &= !says.empty();
               if (says.empty()) continue;
+              keep_greatest_bound(says);
               share_out(says, most_log_ratio);
               map.alpha(x, top + y) = 1;
               for (int c = 0; c < 3; ++c) {

@@ -53,7 +53,7 @@ Stitch solve_stitch(const std::vector<StitchPhoto>& photos, const std::vector<st
 
 /// The sphere as a lat-long of width x width/2. In each direction the photograph that shows it nearest to its middle,
 /// faded into the next along the border between them; where they disagree the nearest alone; clipped pixels count only
-/// where all are. `alpha` is 0 where no photograph shows anything, and empty where they show all; `stddev` is there
+/// where all are, and there the one with the greatest light: each bounds it from below. `alpha` is 0 where no photograph shows anything, and empty where they show all; `stddev` is there
 /// when all have it.
 RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& stitch, int width,
                          const Mat3& stitch_from_probe = Mat3::Identity());

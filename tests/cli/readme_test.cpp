@@ -1,7 +1,9 @@
-// The README is true: every block marked `sh run` runs, line by line, in a folder with shots/ and world.exr in it.
+// The README is true: every block marked `sh run` runs, line by line, in a folder with shots/, photos/ and world.exr in
+// it.
 #include <cstdlib>
 #include <regex>
 
+#include "tests/cli/carpet_file.h"
 #include "tests/cli/fixture.h"
 
 namespace hdr::test {
@@ -21,11 +23,28 @@ std::vector<std::string> runnable_lines(const std::string& readme) {
   return lines;
 }
 
+/// Six photographs around, of something that can be matched.
+void photograph_around(const ScratchDir& scratch) {
+  write_carpet(scratch / "carpet.exr");
+  std::filesystem::create_directories(scratch / "photos");
+  for (int k = 0; k < 6; ++k) {
+    const Path folder = scratch / ("turn" + std::to_string(k));
+    answer_of({"simulate", (scratch / "carpet.exr").string(), "-o", folder.string(), "--fov", "85", "--size", "640x480",
+               "--rotate", "0," + std::to_string(60 * k) + ",0", "--times", "1/60"});
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().extension() == ".jpg") {
+        std::filesystem::rename(entry.path(), scratch / "photos" / (std::to_string(k) + ".jpg"));
+      }
+    }
+  }
+}
+
 TEST(Readme, EveryCommandRuns) {
   const ScratchDir scratch;
   write_world(scratch / "world.exr");
   answer_of({"simulate", (scratch / "world.exr").string(), "-o", (scratch / "shots").string(), "--ball", "--size",
              "400x300", "--times", "1/1000,1/250,1/60,1/40,1/15,1/4"});
+  photograph_around(scratch);
   const std::vector<std::string> lines = runnable_lines(bytes_of(std::string(HDR_SOURCE_DIR) + "/README.md"));
   ASSERT_GE(lines.size(), 10u) << "the README lost its runnable blocks";
   const std::string setting = "cd '" + scratch.path().string() + "' && PATH='" + HDR_BUILD_DIR + "':$PATH && ";

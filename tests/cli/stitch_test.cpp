@@ -1,47 +1,13 @@
 // Photographs of a scene that is known become the sphere that they were taken in.
 #include <gtest/gtest.h>
 
-#include "libhdr/core/random.h"
 #include "libhdr/io/read.h"
 #include "libhdr/probe/projection.h"
+#include "tests/cli/carpet_file.h"
 #include "tests/cli/fixture.h"
 
 namespace hdr::test {
 namespace {
-
-/// Something to recognise everywhere: many waves down to three degrees long.
-class Carpet {
- public:
-  Carpet() {
-    Random random(8, 21);
-    for (int n = 0; n < 28; ++n) {
-      const double z = 2 * random.uniform() - 1, azimuth = 2 * kPi * random.uniform(), r = std::sqrt(1 - z * z);
-      const Vec3 dir(r * std::cos(azimuth), r * std::sin(azimuth), z);
-      waves_.push_back({dir * (10 + 100 * random.uniform()), 2 * kPi * random.uniform()});
-    }
-  }
-  double operator()(const Vec3& d) const {
-    double sum = 0;
-    for (const auto& [k, phase] : waves_) sum += std::sin(k.dot(d) + phase);
-    return std::exp(0.22 * sum);
-  }
-  void write(const std::filesystem::path& path) const {
-    constexpr int kWidth = 1024;
-    RadianceMap map;
-    map.rgb = Image<float>(kWidth, kWidth / 2, 3);
-    map.projection = "latlong";
-    for (int y = 0; y < map.rgb.height(); ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const double light = (*this)(dir_from_latlong((x + 0.5) / kWidth, (y + 0.5) / map.rgb.height()));
-        for (int c = 0; c < 3; ++c) map.rgb(x, y, c) = static_cast<float>(light * (0.9 + 0.1 * c));
-      }
-    }
-    write_map(path, map, {}, {SampleType::kFloat, "zip"});
-  }
-
- private:
-  std::vector<std::pair<Vec3, double>> waves_;
-};
 
 struct Turn {
   const char* name;
@@ -53,7 +19,7 @@ const Turn kTurns[] = {{"a", "4,0,2", {4, 0, 2}},       {"b", "-5,62,-3", {-5, 6
 
 class StitchCommand : public ::testing::Test {
  protected:
-  void SetUp() override { world_.write(scratch_ / "world.exr"); }
+  void SetUp() override { write_carpet(scratch_ / "world.exr", world_); }
   std::string photograph(const Turn& turn, const std::string& times, const std::string& format = "jpg") {
     const std::string folder = (scratch_ / turn.name).string();
     answer_of({"simulate", (scratch_ / "world.exr").string(), "-o", folder, "--fov", "85", "--size", "640x480",

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
@@ -49,6 +50,18 @@ void declare_options(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_flag("--uncertainty", o.reading.uncertainty, "brackets: also the standard deviation of each pixel");
   o.write.declare(app);
+}
+
+double share_clipped(const StitchPhoto& photo) {
+  if (!std::isfinite(photo.ceiling)) return 0;
+  std::size_t clipped = 0;
+  for (int y = 0; y < photo.rgb.height(); ++y) {
+    for (int x = 0; x < photo.rgb.width(); ++x) {
+      const float* p = photo.rgb.pixel(x, y);
+      clipped += static_cast<double>(std::max({p[0], p[1], p[2]})) >= photo.ceiling ? 1 : 0;
+    }
+  }
+  return static_cast<double>(clipped) / (static_cast<double>(photo.rgb.width()) * photo.rgb.height());
 }
 
 std::vector<StitchInput> read_inputs(Run& run, const Options& o) {
@@ -120,6 +133,26 @@ void fill_hole(Run& run, RadianceMap& map) {
                       100 * fill.solid_angle / (4 * kPi)));
 }
 
+/// A clipped sky is too dark, and cannot be told from a right one afterwards.
+void warn_of_clipping(Run& run, const std::vector<StitchPhoto>& photos, const std::vector<std::string>& names) {
+  constexpr double kTolerated = 0.01;  ///< share of a photograph: lamps and their reflections
+  std::size_t clipped = 0, worst = 0;
+  double most = 0;
+  for (std::size_t k = 0; k < photos.size(); ++k) {
+    const double share = share_clipped(photos[k]);
+    clipped += share > kTolerated ? 1 : 0;
+    if (share > most) {
+      most = share;
+      worst = k;
+    }
+  }
+  if (clipped == 0) return;
+  run.warn(
+      fmt::format("{} of {} photographs are overexposed ({:.0f} % of {}): light there is a lower bound; give each as a "
+                  "folder of exposures",
+                  clipped, photos.size(), 100 * most, names[worst]));
+}
+
 int stitch(Run& run, const Options& o) {
   const Mat3 probe_from_stitch = rotation_from_degrees(vec3_from_text(o.rotate, "--rotate"));
   const std::vector<StitchInput> inputs = read_inputs(run, o);
@@ -134,6 +167,7 @@ int stitch(Run& run, const Options& o) {
     return solve_stitch(photos, names, {o.level, o.distortion == "fit", o.vignetting == "fit"});
   });
   answer_views(run, names, solved, probe_from_stitch);
+  warn_of_clipping(run, photos, names);
   RadianceMap map =
       run.stage("join", [&] { return merge_stitch(photos, solved, o.width, probe_from_stitch.transpose()); });
   const auto first = static_cast<std::size_t>(

@@ -7,29 +7,13 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
+#include "tests/support/carpet.h"
 #include "tests/unit/probe/made_up_environments.h"
 
 namespace hdr {
 namespace {
 
-/// Something to recognise everywhere: many waves down to two degrees long.
-class Carpet {
- public:
-  explicit Carpet(std::uint64_t seed) {
-    Random random(seed, 21);
-    for (int n = 0; n < 28; ++n) {
-      waves_.push_back({test::random_direction(random) * (10 + 100 * random.uniform()), 2 * kPi * random.uniform()});
-    }
-  }
-  double operator()(const Vec3& d) const {
-    double sum = 0;
-    for (const auto& [k, phase] : waves_) sum += std::sin(k.dot(d) + phase);
-    return std::exp(0.22 * sum);
-  }
-
- private:
-  std::vector<std::pair<Vec3, double>> waves_;
-};
+using test::Carpet;
 
 struct Shot {
   Rectilinear lens;
@@ -218,6 +202,36 @@ TEST(Stitch, WhatCannotBeIsAnError) {
   expect_error(photos_of(shots), "enough of the same");
   expect_error({{shots[0].picture}}, "one photograph");
   expect_error({{shots[0].picture}, {shots[0].picture}}, "the same photograph");
+}
+
+/// Where all photographs clip, a wall of the middle channel: what the sphere shows behind the first one's middle.
+float light_where_all_clip(const std::vector<double>& gains) {
+  constexpr double kCeiling = 0.98;
+  const Image<float> white = [] {
+    Image<float> picture(64, 64, 3);
+    for (int y = 0; y < 64; ++y) std::fill_n(picture.pixel(0, y), 3 * 64, 1.0f);
+    return picture;
+  }();
+  std::vector<StitchPhoto> photos;
+  Stitch stitch;
+  for (std::size_t k = 0; k < gains.size(); ++k) {
+    photos.push_back({white, {}, {}, kCeiling, {}});
+    StitchedPhoto view;
+    view.used = true;
+    view.lens = {{64, 64}, 60};
+    view.probe_from_view = rotation_from_degrees({0, 3.0 * static_cast<double>(k), 0});
+    view.gain = gains[k];
+    stitch.photos.push_back(view);
+  }
+  const RadianceMap map = merge_stitch(photos, stitch, 64);
+  const Vec2 ahead = LatLong{{64, 32}}.px_from_dir(Vec3::UnitZ()).value();
+  return map.rgb(static_cast<int>(ahead.x()), static_cast<int>(ahead.y()), 1);
+}
+
+// A clipped pixel bounds the light from below; the mean of bounds is lower than the best of them.
+TEST(Stitch, WhereAllClipTheGreatestBoundIsKept) {
+  EXPECT_NEAR(light_where_all_clip({1, 2}), 2, 1e-5);
+  EXPECT_NEAR(light_where_all_clip({2, 4, 1}), 4, 1e-5);
 }
 
 TEST(Stitch, TheHorizonIsLevelled) {
