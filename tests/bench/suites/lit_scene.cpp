@@ -1,11 +1,6 @@
 #include "tests/bench/suites/lit_scene.h"
 
-#if __has_include("libhdr/render/scene_file.h")
 #include "libhdr/render/scene_file.h"
-#else
-#include "libhdr/io/output_file.h"
-#include "libhdr/render/obj.h"
-#endif
 #include "tests/bench/render_scene.h"
 #include "tests/bench/suites/light_map.h"
 
@@ -15,11 +10,7 @@ Scene lit_scene(const Bench& bench) {
   const Path& file = bench.options().scene;
   if (file.empty()) return folded_ball_on_plane();
   constexpr std::size_t kTriangles = 60000;
-#if __has_include("libhdr/render/scene_file.h")
   return mesh_on_plane(joined(read_scene(file, {Shading::kFlat}).scene), kTriangles);
-#else
-  return mesh_on_plane(mesh_from_obj(read_text(file), file.string()), kTriangles);
-#endif
 }
 
 std::string scene_name(const Bench& bench) {
