@@ -69,6 +69,10 @@ Neighbourhood::Neighbourhood(View<const float> pixels, const Projection& project
       boxes_.push_back({f.column * n, f.row * n, f.column * n + n, f.row * n + n});
     }
   }
+  spans_.resize(boxes_.size());
+  for (std::size_t region = 0; region < boxes_.size(); ++region) {
+    for (int y = 0; y < pixels.height(); ++y) spans_[region].push_back(span_of(region, y));
+  }
 }
 
 int Neighbourhood::region_of(const Vec2& px) const {
@@ -91,9 +95,30 @@ bool Neighbourhood::is_plain(int region, const PixelBox& box) const {
   }
   if (discs_.empty()) return true;
   // A box lies in an ellipse when its corners do.
-  const Ellipse& disc = discs_[k];
-  return inside_disc(disc, box.first_x, box.first_y) && inside_disc(disc, box.last_x - 1, box.first_y) &&
-         inside_disc(disc, box.first_x, box.last_y - 1) && inside_disc(disc, box.last_x - 1, box.last_y - 1);
+  const Span top = plain_in_row(region, box.first_y), bottom = plain_in_row(region, box.last_y - 1);
+  return box.first_x >= std::max(top.first, bottom.first) && box.last_x <= std::min(top.last, bottom.last);
+}
+
+/// A pixel lies in a disc when its whole square does.
+Neighbourhood::Span Neighbourhood::span_of(std::size_t region, int y) const {
+  const PixelBox& box = boxes_[region];
+  if (y < box.first_y || y >= box.last_y) return {};
+  if (discs_.empty()) return {box.first_x, box.last_x};
+  // The squared distance from the squeezed disc's centre is a parabola of x.
+  const Ellipse& disc = discs_[region];
+  const auto squared = [&](double x) {
+    return (disc.squeezed({disc.centre.x() + x, y + 0.5}) - disc.centre).squaredNorm();
+  };
+  const double at_0 = squared(0), at_1 = squared(1), at_minus_1 = squared(-1);
+  const double a = 0.5 * (at_1 + at_minus_1) - at_0, b = 0.5 * (at_1 - at_minus_1);
+  const double reach = std::max(0.0, disc.minor - kHalfDiagonal);
+  const double middle = -b / (2 * a), half2 = middle * middle - (at_0 - reach * reach) / a;
+  if (!(half2 >= 0)) return {};
+  const double half = std::sqrt(half2), first = std::ceil(disc.centre.x() + middle - half - 0.5),
+               last = std::floor(disc.centre.x() + middle + half - 0.5) + 1;
+  const Span span{static_cast<int>(std::clamp(first, 1.0 * box.first_x, 1.0 * box.last_x)),
+                  static_cast<int>(std::clamp(last, 1.0 * box.first_x, 1.0 * box.last_x))};
+  return span.first < span.last ? span : Span{};
 }
 
 bool Neighbourhood::copy(int x, int y, float* value) const {
@@ -130,17 +155,11 @@ bool Neighbourhood::tap(int region, int x, int y, float* value) const {
     case Kind::kContinued:
       return is_plain(region, {x, y, x + 1, y + 1}) ? copy(x, y, value) : continued(region, x, y, value);
     case Kind::kDisc:
-      if (x < 0 || y < 0 || x >= width || y >= height || !inside_disc(discs_[0], x, y)) return false;
-      return copy(x, y, value);
+      return is_plain(0, {x, y, x + 1, y + 1}) && copy(x, y, value);
     case Kind::kPlain:
       break;
   }
   return copy(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1), value);
-}
-
-bool Neighbourhood::inside_disc(const Ellipse& disc, int x, int y) const {
-  const double reach = std::max(0.0, disc.minor - kHalfDiagonal);
-  return (disc.squeezed({x + 0.5, y + 0.5}) - disc.centre).squaredNorm() <= reach * reach;
 }
 
 /// Bilinear where the formula leads, from the pixels there that are whole.
@@ -159,7 +178,7 @@ bool Neighbourhood::continued(int region, int x, int y, float* value) const {
   for (int k = 0; k < 4; ++k) {
     const int i = std::min(left + (k & 1), box.last_x - 1), j = std::min(top + (k >> 1), box.last_y - 1);
     const double weight = ((k & 1) ? u - left : 1 - (u - left)) * ((k >> 1) ? v - top : 1 - (v - top));
-    if (weight <= 0 || (!discs_.empty() && !inside_disc(discs_[there], i, j))) continue;
+    if (weight <= 0 || (!discs_.empty() && !is_plain(static_cast<int>(there), {i, j, i + 1, j + 1}))) continue;
     total += weight;
     for (int c = 0; c < pixels_.channels(); ++c) value[c] += static_cast<float>(weight) * pixels_(i, j, c);
   }

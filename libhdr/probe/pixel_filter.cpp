@@ -43,7 +43,7 @@ PixelFilter::Sums PixelFilter::add(int region, const Vec2& px, const KernelShape
     const double across = std::min(std::max(1.0, shape.across * wider), most_across);
     const double middle = x + shape.shear * wider * (j - y), half = Kernel::kReach * across;
     const int first = static_cast<int>(std::ceil(middle - half)), last = static_cast<int>(std::floor(middle + half));
-    const bool plain = source_.is_plain(region, {first, j, last + 1, j + 1});
+    const Neighbourhood::Span plain = source_.plain_in_row(region, j);
     // Each row counts as its weight says, however many of its pixels the kernel meets.
     double in_row = 0;
     weights_.resize(static_cast<std::size_t>(std::max(0, last - first + 1)));
@@ -56,8 +56,9 @@ PixelFilter::Sums PixelFilter::add(int region, const Vec2& px, const KernelShape
       const double weight = scale * weights_[static_cast<std::size_t>(i - first)];
       if (weight == 0) continue;
       sums.whole_weight += weight;
-      const float* value = plain ? pixels.pixel(i, j) : value_.data();
-      if (!plain && !source_.tap(region, i, j, value_.data())) {
+      const bool in_place = i >= plain.first && i < plain.last;
+      const float* value = in_place ? pixels.pixel(i, j) : value_.data();
+      if (!in_place && (source_.ends_at_rim() || !source_.tap(region, i, j, value_.data()))) {
         sums.missing = true;
         continue;
       }

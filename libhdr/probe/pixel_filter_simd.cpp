@@ -45,6 +45,7 @@ struct Four {
   hn::Vec<hn::FixedTag<float, 4> > v;
   HWY_INLINE Four() : v(hn::Zero(tag)) {}  // an implicit one would not be compiled for the target
   HWY_INLINE void add(float w, const float* pixel) { v = hn::Add(v, hn::Mul(hn::Set(tag, w), hn::LoadU(tag, pixel))); }
+  HWY_INLINE void add(float w, hn::Vec<hn::FixedTag<float, 4> > a) { v = hn::Add(v, hn::Mul(hn::Set(tag, w), a)); }
   HWY_INLINE void add(float w, const Four& a, const Four& b) {
     v = hn::Add(v, hn::Mul(hn::Set(tag, w), hn::Add(a.v, b.v)));
   }
@@ -203,10 +204,88 @@ HWY_INLINE void interpolate_pixel(const RowTask& task, const EightWeights& table
   rgb[2] = values[2];
 }
 
+/// A run of positions among a spline's coefficients: the first of each one's four by four, and the weights of rows and
+/// columns [Unser93].
+struct SplineRun {
+  static constexpr int kMost = 8;
+  alignas(32) float left[kMost], top[kMost], across[4][kMost], down[4][kMost];
+};
+
+HWY_INLINE void spline_weights(VF t, float (*weights)[SplineRun::kMost], int lane) {
+  const VF u = hn::Sub(hn::Set(f, 1.0f), t), t2 = hn::Mul(t, t), u2 = hn::Mul(u, u);
+  const VF sixth = hn::Set(f, 1.0f / 6), half = hn::Set(f, 0.5f), two_thirds = hn::Set(f, 2.0f / 3);
+  const VF t3 = hn::Mul(t2, t), u3 = hn::Mul(u2, u);
+  hn::Store(hn::Mul(u3, sixth), f, weights[0] + lane);
+  hn::Store(mul_add(half, t3, hn::Sub(two_thirds, t2)), f, weights[1] + lane);
+  hn::Store(mul_add(half, u3, hn::Sub(two_thirds, u2)), f, weights[2] + lane);
+  hn::Store(hn::Mul(t3, sixth), f, weights[3] + lane);
+}
+
+HWY_INLINE void place_run(const TilePixels& pixels, int index, SplineRun& run) {
+  for (int k = 0; k < SplineRun::kMost; k += static_cast<int>(hn::Lanes(f))) {
+    const VF x = hn::LoadU(f, pixels.x + index + k), y = hn::LoadU(f, pixels.y + index + k);
+    const VF left = hn::Floor(x), top = hn::Floor(y);
+    hn::Store(left, f, run.left + k);
+    hn::Store(top, f, run.top + k);
+    spline_weights(hn::Sub(x, left), run.across, k);
+    spline_weights(hn::Sub(y, top), run.down, k);
+  }
+}
+
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE Four spline_sum(const SplineRun& run, int k, const float* p, std::ptrdiff_t stride) {
+  Four columns[4], total;
+  for (int j = 0; j < 4; ++j, p += stride) {
+    for (int i = 0; i < 4; ++i) columns[i].add(run.down[j][k], p + 3 * i);
+  }
+  for (int i = 0; i < 4; ++i) total.add(run.across[i][k], columns[i].v);
+  return total;
+}
+#else
+/// Down first: four rows of four pixels become one of three vectors, out of which each pixel's is shifted.
+HWY_INLINE Four spline_sum(const SplineRun& run, int k, const float* p, std::ptrdiff_t stride) {
+  constexpr auto four = Four::tag;
+  Four a, b, c, total;
+  for (int j = 0; j < 4; ++j, p += stride) {
+    a.add(run.down[j][k], p);
+    b.add(run.down[j][k], p + 4);
+    c.add(run.down[j][k], p + 8);
+  }
+  total.add(run.across[0][k], a.v);
+  total.add(run.across[1][k], hn::CombineShiftRightBytes<12>(four, b.v, a.v));
+  total.add(run.across[2][k], hn::CombineShiftRightBytes<8>(four, c.v, b.v));
+  total.add(run.across[3][k], hn::CombineShiftRightBytes<4>(four, c.v, c.v));
+  return total;
+}
+#endif
+
+HWY_INLINE void spline_run(const RowTask& task, int index, int count, float* rgb) {
+  SplineRun run;
+  place_run(*task.pixels, index, run);
+  const SplineTile& spline = *task.spline;
+  for (int k = 0; k < count; ++k, rgb += 3) {
+    const float* p = spline.at(static_cast<int>(run.left[k]) - 1, static_cast<int>(run.top[k]) - 1);
+    float values[4];
+    spline_sum(run, k, p, spline.stride()).store(1, task.floor, values);
+    rgb[0] = values[0];
+    rgb[1] = values[1];
+    rgb[2] = values[2];
+  }
+}
+
 void FilterRow(const RowTask& task, float* rgb) {
   static const EightWeights table;
   for (int k = 0; k < task.count; ++k) {
     const int index = task.first + k;
+    if (task.kinds[index] == KernelKind::kSpline) {
+      int count = 1;
+      while (count < SplineRun::kMost && k + count < task.count && task.kinds[index + count] == KernelKind::kSpline) {
+        ++count;
+      }
+      spline_run(task, index, count, rgb + 3 * k);
+      k += count - 1;
+      continue;
+    }
     if (task.kinds[index] == KernelKind::kInterpolated) interpolate_pixel(task, table, index, rgb + 3 * k);
     if (task.kinds[index] == KernelKind::kSharp) filter_pixel<SharpKernel>(task, index, rgb + 3 * k);
     if (task.kinds[index] == KernelKind::kTent) filter_pixel<TentKernel>(task, index, rgb + 3 * k);

@@ -23,7 +23,10 @@ class Contrast {
   bool nonnegative() const { return nonnegative_; }
 
  private:
-  static constexpr int kBlock = 4;
+  struct Codes;
+  void measure(const Neighbourhood& source, Codes& codes);
+  void judge(const Codes& codes);
+
   int columns_, rows_;
   std::vector<std::uint8_t> harsh_;
   bool any_ = false, nonnegative_ = true;

@@ -27,8 +27,20 @@ class Neighbourhood {
   /// Which part of the picture (a cube's face, one of two discs; else 0) holds a position.
   int region_of(const Vec2& px) const;
 
+  int regions() const { return static_cast<int>(boxes_.size()); }
+
   /// Whether all pixels of the box are what a kernel centred in the region means by them.
   bool is_plain(int region, const PixelBox& box) const;
+
+  /// The pixels first <= x < last of a row.
+  struct Span {
+    int first = 0, last = 0;
+  };
+  /// Those for each of which is_plain() says yes.
+  Span plain_in_row(int region, int y) const {
+    const auto& rows = spans_[static_cast<std::size_t>(region)];
+    return y < 0 || y >= static_cast<int>(rows.size()) ? Span{} : rows[static_cast<std::size_t>(y)];
+  }
 
   /// value[c] = what a kernel centred in the region means by pixel (x, y), which may lie outside of the picture; false:
   /// the picture does not show it.
@@ -43,13 +55,14 @@ class Neighbourhood {
 
   bool copy(int x, int y, float* value) const;
   bool continued(int region, int x, int y, float* value) const;
-  bool inside_disc(const Ellipse& disc, int x, int y) const;
+  Span span_of(std::size_t region, int y) const;
 
   View<const float> pixels_;
   Projection projection_;
   Kind kind_;
-  std::vector<PixelBox> boxes_;  ///< of the regions
-  std::vector<Ellipse> discs_;   ///< of the regions, where they are discs
+  std::vector<PixelBox> boxes_;           ///< of the regions
+  std::vector<Ellipse> discs_;            ///< of the regions, where they are discs
+  std::vector<std::vector<Span>> spans_;  ///< of the regions' rows
 };
 
 }  // namespace hdr::internal

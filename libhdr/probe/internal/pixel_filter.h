@@ -9,6 +9,7 @@
 #include "libhdr/probe/internal/kernel_shape.h"
 #include "libhdr/probe/internal/neighbourhood.h"
 #include "libhdr/probe/internal/source_picture.h"
+#include "libhdr/probe/internal/spline.h"
 
 namespace hdr::internal {
 
@@ -42,7 +43,8 @@ class PixelFilter {
   std::vector<float> value_;
 };
 
-/// The positions and kernels of a tile's pixels, in planes; x and y in pixel numbers (the centre of pixel 0 is 0).
+/// The positions and kernels of a tile's pixels, in planes that may be read some floats beyond their end; x and y in
+/// pixel numbers (the centre of pixel 0 is 0).
 struct TilePixels {
   static constexpr int kCount = Tile::kSide * Tile::kSide;
   alignas(64) float x[kCount], y[kCount], across[kCount], down[kCount], shear[kCount];
@@ -57,8 +59,9 @@ struct TileBounds {
 /// Of the first tile.width x tile.height pixels; row k at k * kSide.
 TileBounds place_tile(const TilePolynomial& polynomial, const Tile& tile, TilePixels& pixels);
 
-/// kInterpolated is for what is not made smaller, or has nothing that smaller pixels could not show.
-enum class KernelKind : std::uint8_t { kNone, kSharp, kTent, kInterpolated };
+/// kInterpolated and kSpline are for what is not made smaller, or has nothing that smaller pixels could not show;
+/// kSpline where its error is small (spline.h).
+enum class KernelKind : std::uint8_t { kNone, kSharp, kTent, kInterpolated, kSpline };
 
 /// Vectors may be read from a kernel's first pixels on, and so this many beyond its last: they must exist.
 inline constexpr int kReadBeyond = 1;
@@ -72,6 +75,7 @@ struct RowTask {
   const KernelKind* kinds;  ///< like the planes; kNone: this pixel is not wanted
   int first, count;
   float floor;
+  const SplineTile* spline = nullptr;  ///< for kSpline
 };
 void filter_row(const RowTask& task, float* rgb);
 
