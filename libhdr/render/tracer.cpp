@@ -101,7 +101,7 @@ class OcclusionPacket {
   RTCScene tree_;
   std::span<std::int32_t> wanted_;
   RTCIntersectContext context_;
-  RTCRay16 packet_;
+  RTCRay16 packet_{};
   std::size_t owners_[kSize];
   std::size_t count_ = 0;
 };
