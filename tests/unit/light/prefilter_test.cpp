@@ -87,23 +87,5 @@ TEST(Prefilter, FacesOfACubeAreTheSameMap) {
   EXPECT_NEAR(mirror[4](40, 20, 1) / map(static_cast<int>(uv.x() * 128), static_cast<int>(uv.y() * 64), 1), 1, 0.15);
 }
 
-TEST(SplitSum, KnownCorners) {
-  const Image<float> table = split_sum_table(64);
-  // A smooth surface seen head-on reflects F0 and no more; all of a white one is returned.
-  EXPECT_NEAR(table(63, 0, 0), 1, 0.01);
-  EXPECT_NEAR(table(63, 0, 1), 0, 0.01);
-  for (int x = 8; x < 64; ++x) EXPECT_NEAR(table(x, 0, 0) + table(x, 0, 1), 1, 0.01) << "a smooth white furnace";
-  // Scattered once, a white surface of roughness 1 seen head-on returns 1 - ln 2.
-  const Image<float> fine = split_sum_table(512, 256);
-  EXPECT_NEAR(fine(511, 511, 0) + fine(511, 511, 1), 1 - std::log(2.0), 0.01);
-  for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 64; ++x) {
-      EXPECT_GE(table(x, y, 0), 0);
-      EXPECT_GE(table(x, y, 1), 0);
-      EXPECT_LE(table(x, y, 0) + table(x, y, 1), 1.001) << "light out of nothing";
-    }
-  }
-}
-
 }  // namespace
 }  // namespace hdr

@@ -79,7 +79,7 @@ std::string html_of(const ProbeView& view, Page& page) {
       "<p class=\"under\"><output class=\"readout\">Drag to turn it; two fingers, or + and −, to come nearer.</output>"
       "</p>\n";
   out += embedded_radiance(view.id + "-data", light) + embedded_levels(view.id + "-levels", levels);
-  return out + embedded_radiance(view.id + "-table", split_sum_table(kTableSize, 256)) + "</div>\n";
+  return out + embedded_radiance(view.id + "-table", split_sum_table(kTableSize)) + "</div>\n";
 }
 
 }  // namespace hdr::report
