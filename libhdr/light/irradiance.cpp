@@ -2,10 +2,11 @@
 #include <cmath>
 #include <limits>
 
-#include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/light/internal/clamped_cosine.h"
 #include "libhdr/light/sh.h"
+#include "libhdr/light/sh_latlong.h"
+#include "libhdr/light/sh_reflect.h"
 
 namespace hdr {
 
@@ -79,15 +80,11 @@ Rgb least_irradiance(const Sh& sh) {
 }
 
 Image<float> irradiance_map(const Sh& sh, Size size) {
-  Image<float> map(size, 3);
-  for_rows(size.height, 4, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < size.width; ++x) {
-        const Rgb e = irradiance(sh, dir_from_latlong((x + 0.5) / size.width, (y + 0.5) / size.height));
-        for (int c = 0; c < 3; ++c) map(x, y, c) = static_cast<float>(std::max(0.0, e[c]));
-      }
-    }
-  });
+  std::vector<double> bands;
+  for (int l = 0; l <= sh.degree; ++l) bands.push_back(clamped_cosine_coefficient(l));
+  Image<float> map = latlong_of(convolved(sh, bands), size);
+  for (int y = 0; y < size.height; ++y)
+    for (int k = 0; k < 3 * size.width; ++k) map.row(y)[k] = std::max(0.0f, map.row(y)[k]);
   return map;
 }
 

@@ -87,6 +87,32 @@ TEST(LightCommands, HostileMapsAreMendedWithAReport) {
     const Json sh = answer_of({"sh", path}), lights = answer_of({"lights", path, "-n", "8"});
     for (const Json* answer : {&sh, &lights})
       EXPECT_FALSE((*answer)["warnings"].empty()) << bad << " went by in silence";
+TEST(LightCommands, LevelsByFrequencyAreTheSampledOnesWithADegreeAndABound) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr");
+  const std::string world = (scratch / "world.exr").string();
+  const std::string sampled = (scratch / "sampled").string(), bands = (scratch / "bands").string();
+  const auto levels = [&](const std::string& folder, const std::string& method) {
+    return answer_of({"prefilter", world, "-o", folder, "--levels", "4", "--width", "32", "--samples", "2048",
+                      "--method", method, "--error", "0.02"})["levels"];
+  };
+  const Json a = levels(sampled, "sampling"), b = levels(bands, "frequency");
+  int by_frequency = 0;
+  for (std::size_t k = 0; k < b.size(); ++k) {
+    if (b[k]["method"] != "frequency") continue;
+    ++by_frequency;
+    EXPECT_LE(b[k]["error_bound"].get<double>(), 0.02);
+    EXPECT_GT(b[k]["degree"].get<int>(), 2);
+    EXPECT_LT(answer_of({"diff", a[k]["path"], b[k]["path"]})["rel_rmse"].get<double>(), 0.03) << k;
+  }
+  EXPECT_GE(by_frequency, 2);
+  EXPECT_EQ(b[0]["method"], "sampling") << "a mirror has no last band";
+  answer_of({"prefilter", world, "-o", (scratch / "cube").string(), "--levels", "2", "--width", "8", "--cube",
+             "--method", "frequency"});
+  EXPECT_TRUE(std::filesystem::exists(scratch / "cube" / "level_1" / "pz.exr"));
+  EXPECT_EQ(run_hdr({"prefilter", world, "-o", bands, "--method", "fourier"}).exit_code, 2);
+}
+
     // An infinite pixel is a sun of the largest sample; one pixel of the ground more or less is little else.
     const double l00 = sh["coefficients"][0][1];
     EXPECT_GT(l00, 0.97 * clean) << bad;
