@@ -52,6 +52,7 @@
 #include "libhdr/filter/resize.h"
 #include "libhdr/filter/tonemap.h"  // for looking
 
+#include "libhdr/probe/ball_normal.h"  // of a ball in a photograph
 #include "libhdr/probe/ball_views.h"  // several views of one ball become one sphere
 #include "libhdr/probe/convention.h"  // which way round others have the sphere
 #include "libhdr/probe/find_ball.h"   // where the mirror ball is
@@ -68,6 +69,7 @@
 
 #include "libhdr/light/cube.h"         // six faces
 #include "libhdr/light/environment.h"  // sample / pdf / invert
+#include "libhdr/light/diffuse_ball.h"  // a matt ball as a light meter
 #include "libhdr/light/horizontal_irradiance.h"  // what a lux meter would read
 #include "libhdr/light/lights.h"       // N directional lights
 #include "libhdr/light/frequency_prefilter.h"  // the same for broad lobes, in frequency space

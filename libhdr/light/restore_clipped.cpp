@@ -1,79 +1,140 @@
+// With T what all unclipped and clipped pixels give a normal now, R_k what region k gives, B the reading, the unknowns
+// are h_k = gain - 1 >= 0 of each region and channel and the readings' scale s:
+//   least sum over readings and channels of ((s B - sum of h_k R_k - T) / B)^2,  h_k >= 0.
+// A pull a hundred thousand times weaker than the readings towards what all regions alike would take decides where the
+// readings do not.
 #include "libhdr/light/restore_clipped.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
-#include "libhdr/core/sphere.h"
 #include "libhdr/light/internal/components.h"
+#include "libhdr/light/internal/nnls.h"
+#include "libhdr/light/internal/region_irradiance.h"
 
 namespace hdr {
 namespace {
 
-using Regions = std::vector<std::vector<std::int32_t>>;
+constexpr std::size_t kMostGroups = 48;
+constexpr double kPull = 1e-10;
 
-Rgb pixel_irradiance(View<const float> map, int x, int y, const Vec3& normal) {
-  const double cosine = normal.dot(dir_from_latlong((x + 0.5) / map.width(), (y + 0.5) / map.height()));
-  const float* p = map.pixel(x, y);
-  return std::max(0.0, cosine) * latlong_pixel_solid_angle(y, map.width(), map.height()) * Rgb(p[0], p[1], p[2]);
+// Regions with a gain of their own, and one group of all others.
+std::vector<std::vector<std::size_t>> groups_of(View<const float> map, const std::vector<Region>& regions) {
+  std::vector<double> light;
+  for (const Region& region : regions) {
+    double sum = 0;
+    for (const std::int32_t cell : region) {
+      const float* p = map.pixel(cell % map.width(), cell / map.width());
+      sum += static_cast<double>(p[0]) + p[1] + p[2];
+    }
+    light.push_back(sum);
+  }
+  std::vector<std::size_t> order(regions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return light[a] > light[b]; });
+  std::vector<std::vector<std::size_t>> groups;
+  for (const std::size_t k : order) {
+    if (groups.size() < kMostGroups) {
+      groups.push_back({k});
+    } else {
+      groups.back().push_back(k);
+    }
+  }
+  return groups;
 }
 
-// A row a measurement, a column a region, and a last one for all that is not clipped.
-std::vector<std::vector<Rgb>> contributions(View<const float> map, const Regions& regions,
-                                            const std::vector<MeasuredIrradiance>& measured) {
-  std::vector<std::vector<Rgb>> table;
-  for (const MeasuredIrradiance& m : measured) {
-    const Vec3 normal = m.normal.normalized();
-    std::vector<Rgb> row(regions.size() + 1, Rgb::Zero());
-    for (int y = 0; y < map.height(); ++y)
-      for (int x = 0; x < map.width(); ++x) row.back() += pixel_irradiance(map, x, y, normal);
-    for (std::size_t k = 0; k < regions.size(); ++k) {
-      for (const std::int32_t cell : regions[k])
-        row[k] += pixel_irradiance(map, cell % map.width(), cell / map.width(), normal);
-      row.back() -= row[k];
-    }
-    table.push_back(std::move(row));
-  }
-  return table;
-}
+// Relative to the readings: rows are readings, one channel.
+struct Rows {
+  Eigen::MatrixXd groups;  // what each group gives
+  Eigen::VectorXd now;     // what all give
+};
 
-// Least squares with gains >= 1, one channel, by cyclic minimisation: each gain in turn takes its best value with the
-// others held, which for a convex quadratic converges to the constrained minimum. A little pull towards the common gain
-// decides where the readings do not.
-std::vector<double> fit(const std::vector<std::vector<Rgb>>& table, const std::vector<MeasuredIrradiance>& measured,
-                        int channel) {
-  const std::size_t regions = table[0].size() - 1;
-  const auto row_scale = [&](std::size_t i) { return 1 / std::max(1e-300, measured[i].irradiance[channel]); };
-  const auto minimise = [&](const auto& slope, const auto& current, double gain) {
-    double above = 0, below = 0;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-      const double s = slope(i) * row_scale(i);
-      const double off = (measured[i].irradiance[channel] - current(i)) * row_scale(i);
-      above += s * off;
-      below += s * s;
-    }
-    return below > 0 ? std::max(1.0, gain + above / below) : gain;
-  };
-  std::vector<double> gains(regions, 1.0);
-  const auto total = [&](std::size_t i) {
-    double sum = table[i].back()[channel];
-    for (std::size_t k = 0; k < regions; ++k) sum += gains[k] * table[i][k][channel];
-    return sum;
-  };
-  // All regions by one number first: the start that fewer readings than regions do not leave.
-  const auto all = [&](std::size_t i) { return total(i) - table[i].back()[channel]; };
-  const double common = minimise(all, total, 1);
-  std::fill(gains.begin(), gains.end(), common);
-  if (table.size() < 2) return gains;
-  for (int round = 0; round < 2000; ++round) {
-    double moved = 0;
-    for (std::size_t k = 0; k < regions; ++k) {
-      const double before = gains[k];
-      gains[k] = minimise([&](std::size_t i) { return table[i][k][channel]; }, total, gains[k]);
-      moved = std::max(moved, std::abs(gains[k] - before) / before);
-    }
-    if (moved < 1e-10) break;
+class Fit {
+ public:
+  Fit(std::vector<Rows> channels, bool unknown_scale)
+      : channels_(std::move(channels)), unknown_scale_(unknown_scale), groups_(channels_[0].groups.cols()) {
+    solve(true);
+    if (readings() > 1 && groups_ > 1) solve(false);
   }
-  return gains;
+
+  double gain(int channel, Eigen::Index group) const { return 1 + x_[index(channel, group)]; }
+  double deviation(int channel, Eigen::Index group) const {
+    return noise_ * std::sqrt(variance_[index(channel, group)]);
+  }
+  double scale() const { return unknown_scale_ ? x_[3 * groups_] : 1; }
+  double scale_deviation() const { return unknown_scale_ ? noise_ * std::sqrt(variance_[3 * groups_]) : 0; }
+
+  // s - sum - T of each reading.
+  Eigen::VectorXd left(int channel) const {
+    const Rows& rows = channels_[static_cast<std::size_t>(channel)];
+    return Eigen::VectorXd::Constant(readings(), scale()) - rows.now -
+           rows.groups * x_.segment(channel * groups_, groups_);
+  }
+
+ private:
+  Eigen::Index readings() const { return channels_[0].now.size(); }
+  Eigen::Index index(int channel, Eigen::Index group) const { return channel * groups_ + group; }
+
+  // All groups by one number a channel, or each by its own.
+  void solve(bool alike) {
+    const Eigen::Index each = alike ? 1 : groups_, unknowns = 3 * each + (unknown_scale_ ? 1 : 0), rows = readings();
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Rows& channel = channels_[static_cast<std::size_t>(c)];
+      Eigen::MatrixXd a = Eigen::MatrixXd::Zero(rows, unknowns);
+      a.middleCols(c * each, each) = alike ? Eigen::MatrixXd(channel.groups.rowwise().sum()) : channel.groups;
+      if (unknown_scale_) a.col(3 * each).setConstant(-1);
+      const Eigen::VectorXd b = Eigen::VectorXd::Constant(rows, unknown_scale_ ? 0 : 1) - channel.now;
+      normal += a.transpose() * a;
+      right += a.transpose() * b;
+    }
+    const double largest = std::max(1e-300, normal.diagonal().maxCoeff());
+    for (Eigen::Index k = 0; k < 3 * each; ++k) {
+      const double pull = kPull * normal(k, k) + 1e-20 * largest;
+      if (!alike) right[k] += pull * x_[k];
+      normal(k, k) += pull;
+    }
+    const NonNegative solution = non_negative_least_squares(normal, right);
+    const auto keep = [&](const Eigen::VectorXd& from, Eigen::VectorXd& to) {
+      to.resize(3 * groups_ + 1);
+      for (Eigen::Index c = 0; c < 3; ++c)
+        for (Eigen::Index k = 0; k < groups_; ++k) to[index(static_cast<int>(c), k)] = from[c * each + (alike ? 0 : k)];
+      to[3 * groups_] = unknown_scale_ ? from[3 * each] : 1;
+    };
+    keep(solution.x, x_);
+    keep(solution.variance, variance_);
+    double squares = 0;
+    for (int c = 0; c < 3; ++c) squares += left(c).squaredNorm();
+    noise_ = std::sqrt(squares / std::max<double>(1, static_cast<double>(3 * rows - unknowns)));
+  }
+
+  std::vector<Rows> channels_;
+  bool unknown_scale_;
+  Eigen::Index groups_;
+  Eigen::VectorXd x_, variance_;  // gains - 1 of the channels' groups, one channel after the other, and the scale
+  double noise_ = 0;
+};
+
+std::vector<Rows> rows_of(const std::vector<std::vector<Rgb>>& table,
+                          const std::vector<std::vector<std::size_t>>& groups,
+                          const std::vector<MeasuredIrradiance>& measured) {
+  const auto readings = static_cast<Eigen::Index>(measured.size());
+  std::vector<Rows> channels;
+  for (int c = 0; c < 3; ++c) {
+    Rows rows{Eigen::MatrixXd::Zero(readings, static_cast<Eigen::Index>(groups.size())), Eigen::VectorXd(readings)};
+    for (Eigen::Index i = 0; i < readings; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double reading = std::max(1e-300, measured[at].irradiance[c]);
+      rows.now[i] = table[at].back()[c] / reading;
+      for (std::size_t g = 0; g < groups.size(); ++g)
+        for (const std::size_t k : groups[g]) rows.groups(i, static_cast<Eigen::Index>(g)) += table[at][k][c] / reading;
+      rows.now[i] += rows.groups.row(i).sum();
+    }
+    channels.push_back(std::move(rows));
+  }
+  return channels;
 }
 
 }  // namespace
@@ -97,29 +158,34 @@ Image<std::uint8_t> clipped_mask(View<const float> latlong, double level) {
 }
 
 Restored restore_clipped(View<const float> latlong, View<const std::uint8_t> clipped,
-                         const std::vector<MeasuredIrradiance>& measured) {
+                         const std::vector<MeasuredIrradiance>& measured, const RestoreOptions& options) {
   HDR_ASSERT(latlong.channels() == 3 && clipped.size() == latlong.size());
   if (measured.empty()) throw Error("no irradiance was measured; give a lux meter's reading or normals of a ball");
   std::vector<std::uint8_t> inside;
   for (int y = 0; y < clipped.height(); ++y)
     inside.insert(inside.end(), clipped.row(y), clipped.row(y) + clipped.width());
-  const Regions regions = connected_components(inside, clipped.size());
+  const std::vector<Region> regions = connected_components(inside, clipped.size());
   if (regions.empty()) throw Error("nothing in the map is clipped; lower the level from which pixels count as clipped");
-  const auto table = contributions(latlong, regions, measured);
+  std::vector<Vec3> normals;
+  for (const MeasuredIrradiance& m : measured) normals.push_back(m.normal.normalized());
+  const auto groups = groups_of(latlong, regions);
+  const Fit fit(rows_of(region_irradiance(latlong, regions, normals), groups, measured), options.unknown_scale);
 
   Restored result;
   result.regions = static_cast<int>(regions.size());
-  result.gains.assign(regions.size(), Rgb::Ones());
+  result.gains.resize(regions.size());
+  result.deviations.resize(regions.size());
+  result.scale = fit.scale();
+  result.scale_deviation = fit.scale_deviation();
   for (int c = 0; c < 3; ++c) {
-    const std::vector<double> gains = fit(table, measured, c);
-    double squares = 0;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-      double sum = table[i].back()[c];
-      for (std::size_t k = 0; k < regions.size(); ++k) sum += gains[k] * table[i][k][c];
-      squares += std::pow((measured[i].irradiance[c] - sum) / std::max(1e-300, measured[i].irradiance[c]), 2);
+    result.residual[c] =
+        std::sqrt(fit.left(c).squaredNorm() / static_cast<double>(measured.size())) / std::max(1e-300, fit.scale());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      for (const std::size_t k : groups[g]) {
+        result.gains[k][c] = fit.gain(c, static_cast<Eigen::Index>(g));
+        result.deviations[k][c] = fit.deviation(c, static_cast<Eigen::Index>(g));
+      }
     }
-    result.residual[c] = std::sqrt(squares / static_cast<double>(table.size()));
-    for (std::size_t k = 0; k < regions.size(); ++k) result.gains[k][c] = gains[k];
   }
   result.rgb = Image<float>(latlong.size(), 3);
   for (int y = 0; y < latlong.height(); ++y) std::copy_n(latlong.row(y), 3 * latlong.width(), result.rgb.row(y));

@@ -6,6 +6,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/probe/ball_normal.h"
 #include "libhdr/probe/internal/ball_camera.h"
 #include "libhdr/probe/projection.h"
 
@@ -78,26 +79,39 @@ bool beside_axis(const MirrorBall& ball) {
 
 }  // namespace
 
-std::optional<Vec3> MirrorBall::dir_from_px(const Vec2& px) const {
-  require_outside(distance);
-  if (beside_axis(*this)) {
-    const auto met = meeting(internal::camera_of(*this), px);
-    if (!met) return std::nullopt;
-    return (met->ray + 2 * met->cosine * met->normal).normalized();
-  }
-  const double x = (px.x() - disc.cx) / disc.r;
-  const double y = -(px.y() - disc.cy) / disc.r;
+namespace {
+
+/// The camera's axis goes through the ball's centre: the ray (0, 0, D) + s v meets the sphere where
+/// v.v s^2 - 2 D s + D^2 - 1 = 0; its discriminant is 1 - x^2 - y^2. For a far camera n = (x, y, z).
+std::optional<Meeting> meeting_on_axis(const MirrorBall& ball, const Vec2& px) {
+  const double x = (px.x() - ball.disc.cx) / ball.disc.r;
+  const double y = -(px.y() - ball.disc.cy) / ball.disc.r;
   const double radius2 = x * x + y * y;
   if (radius2 > 1) return std::nullopt;
   const double z = std::sqrt(1 - radius2);
-  if (std::isinf(distance)) return Vec3(2 * z * x, 2 * z * y, 2 * z * z - 1);  // 2 (n.z) n - z
-  // The ray (0, 0, D) + s v meets the sphere where v.v s^2 - 2 D s + D^2 - 1 = 0; its discriminant is 1 - x^2 - y^2.
-  const double t = 1 / std::sqrt(distance * distance - 1);
+  if (std::isinf(ball.distance)) return Meeting{{0, 0, -1}, {x, y, z}, z};
+  const double d = ball.distance, t = 1 / std::sqrt(d * d - 1);
   const Vec3 v(x * t, y * t, -1);
-  const double vv = v.squaredNorm();
-  const Vec3 n = Vec3(0, 0, distance) + (distance - z) / vv * v;
-  // Reflect: v - 2 (n.v) n.
-  return (v - 2 * n.dot(v) * n).normalized();
+  const Vec3 n = Vec3(0, 0, d) + (d - z) / v.squaredNorm() * v;
+  return Meeting{v, n, -n.dot(v)};
+}
+
+std::optional<Meeting> meeting_at(const MirrorBall& ball, const Vec2& px) {
+  require_outside(ball.distance);
+  return beside_axis(ball) ? meeting(internal::camera_of(ball), px) : meeting_on_axis(ball, px);
+}
+
+}  // namespace
+
+std::optional<Vec3> MirrorBall::dir_from_px(const Vec2& px) const {
+  const auto met = meeting_at(*this, px);
+  if (!met) return std::nullopt;
+  return (met->ray + 2 * met->cosine * met->normal).normalized();  // v - 2 (n.v) n
+}
+
+std::optional<Vec3> normal_from_px(const MirrorBall& ball, const Vec2& px) {
+  const auto met = meeting_at(ball, px);
+  return met ? std::optional(met->normal.normalized()) : std::nullopt;
 }
 
 namespace {

@@ -1,5 +1,7 @@
 // Light from a probe, on the command line.
 #include "libhdr/io/read.h"
+#include "libhdr/light/lights.h"
+#include "libhdr/probe/ball_normal.h"
 #include "tests/cli/fixture.h"
 
 namespace hdr::test {
@@ -174,7 +176,61 @@ TEST(LightCommands, ASunComesBackToWhatTheMeterRead) {
   EXPECT_GT(answer["gains"][0][1].get<double>(), 1.5);
   EXPECT_LT(answer["residual"][1].get<double>(), 1e-6);
   expect_refusal({"unclip", (scratch / "world.exr").string(), "-o", sun, "--target-lux", "1000"}, {"whiteLuminance"});
-  expect_refusal({"unclip", clipped, "-o", sun}, {"--target-lux", "--measured"});
+  expect_refusal({"unclip", clipped, "-o", sun}, {"--target-lux", "--diffuse-ball", "--measured"});
+}
+
+// Lambert's law under the lights that stand for the map; outside the ball what is behind it.
+RadianceMap matt_ball(const std::filesystem::path& world, Size size, const MirrorBall& ball, double albedo) {
+  const Image<float> light = read_map(world).map.rgb.clone();
+  const auto lights = make_lights(light, {512, LightsMethod::kStructured, std::nullopt, 1}).lights;
+  RadianceMap picture;
+  picture.rgb = Image<float>(size, 3);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const auto normal = normal_from_px(ball, {x + 0.5, y + 0.5});
+      const Rgb value = normal ? Rgb(irradiance(lights, *normal) * albedo / kPi) : Rgb(Rgb::Constant(0.02));
+      for (int c = 0; c < 3; ++c) picture.rgb(x, y, c) = static_cast<float>(value[c]);
+    }
+  }
+  return picture;
+}
+
+TEST(LightCommands, ASunComesBackFromAMattBall) {
+  const ScratchDir scratch;
+  const auto world = scratch / "world.exr";
+  write_world(world);
+  const Disc disc{95, 82, 64};
+  const std::string ball = (scratch / "ball.exr").string(), clipped = (scratch / "clipped.exr").string(),
+                    sun = (scratch / "sun.exr").string();
+  write_map(ball, matt_ball(world, {200, 160}, {disc}, 0.5), {}, {SampleType::kFloat, "zip"});
+  RadianceMap map = read_map(world).map;
+  for (int y = 0; y < 128; ++y)
+    for (int k = 0; k < 768; ++k) map.rgb.row(y)[k] = std::min(20.0f, map.rgb.row(y)[k]);
+  write_map(clipped, map, {}, {SampleType::kFloat, "zip"});
+  const double truth = answer_of({"sh", world.string(), "--degree", "0"})["coefficients"][0][1];
+  const double before = answer_of({"sh", clipped, "--degree", "0"})["coefficients"][0][1];
+  EXPECT_LT(before, 0.9 * truth);
+  for (const std::string albedo : {"0.5", "auto"}) {
+    const Json answer =
+        answer_of({"unclip", clipped, "-o", sun, "--diffuse-ball", ball, "--ball", "95,82,64", "--albedo", albedo});
+    EXPECT_EQ(answer["regions"], 1);
+    EXPECT_GT(answer["readings"].get<int>(), 300);
+    EXPECT_LT(answer["residual"][1].get<double>(), 0.03);
+    EXPECT_NEAR(answer_of({"sh", sun, "--degree", "0"})["coefficients"][0][1].get<double>() / truth, 1, 0.02) << albedo;
+    if (albedo == "auto") {
+      EXPECT_NEAR(answer["albedo"].get<double>(), 0.5, 0.02);
+    }
+  }
+  const auto refused = [&](std::vector<std::string> more, const std::vector<std::string>& words) {
+    std::vector<std::string> line{"unclip", clipped, "-o", sun, "--diffuse-ball", ball};
+    line.insert(line.end(), more.begin(), more.end());
+    expect_refusal(line, words);
+  };
+  refused({"--ball", "95,82,64", "--albedo", "1.5"}, {"--albedo 1.5", "at most 1"});
+  refused({"--ball", "95,82,3"}, {"ball.exr", "normals", "--ball"});
+  refused({"--ball", "900,82,60"}, {"--ball", "outside"});
+  refused({"--ball", "95,82,64", "--measured", "0,1,0=1,1,1"}, {"--albedo"});
+  expect_refusal({"unclip", clipped, "-o", sun, "--diffuse-ball", (scratch / "none.exr").string()}, {"none.exr"});
 }
 
 TEST(LightCommands, AMeshKeepsItsTransfer) {
