@@ -27,9 +27,11 @@ using VD = hn::Vec<D>;
 using F = hn::Rebind<float, D>;
 constexpr D d64;
 constexpr F f32;
-constexpr int kLanes = 8;   // of the widest vector
-constexpr int kBlock = 64;  // columns of an eighth: what is folded and its part of the table stay in the first cache
-constexpr int kRows = 2;    // that use this part of the table one after the other
+constexpr int kLanes = 8;  // of the widest vector
+// Columns of an eighth of a row that are dealt with together: what is folded, its part of the table and the sums stay
+// in the first cache. In short rows the sums are a larger part of it.
+constexpr int kBlock = 64, kShortBlock = 32, kShortRow = 256;
+constexpr int kRows = 2;  // that use this part of the table one after the other
 
 // f(delta) + f(-delta) and f(delta) - f(-delta), three channels, of a block.
 struct Plane {
@@ -40,10 +42,24 @@ struct Folded {
   Plane all, alternating, across, aside;
 };
 
-// Sums about the middle of a quarter, still a vector each: f times cos m delta, f times sin m delta, per channel.
-struct Turned {
-  HWY_ALIGN double cosine[3][kLanes];
-  HWY_ALIGN double sine[3][kLanes];
+// Sums about the middle of a quarter, still a vector each: f times cos m delta and f times sin m delta of the three
+// channels, one wave after the other. No wider than the machine's vectors: with what is folded and the table's part
+// they stay in the first cache.
+struct alignas(8 * kLanes) Lanes {
+  double of[kLanes];
+};
+class Sums {
+ public:
+  explicit Sums(int waves)
+      : lanes_(static_cast<std::ptrdiff_t>(hn::Lanes(d64))), data_(static_cast<std::size_t>(6 * waves)) {}
+  void clear() { std::fill(data_.begin(), data_.end(), Lanes{}); }
+  double* wave(int m) { return data_[0].of + 6 * lanes_ * m; }
+  double* cosine(int m, int c) { return wave(m) + c * lanes_; }
+  double* sine(int m, int c) { return wave(m) + (3 + c) * lanes_; }
+
+ private:
+  std::ptrdiff_t lanes_;
+  std::vector<Lanes> data_;
 };
 
 // Three channels of as many pixels as a vector has lanes.
@@ -114,12 +130,13 @@ HWY_INLINE void fold(const float* p, const float* mirrored, std::ptrdiff_t quart
 // The products of one plane with the waves of `kWaves` numbers m, m + step ...: what was loaded serves them all.
 template <int kWaves>
 HWY_INLINE void add(const Plane& plane, const AzimuthTable& table, int m, int step, int first, int count,
-                    Turned* const* sums) {
+                    double* const* sums) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d64));
   VD cos_sum[kWaves][3], sin_sum[kWaves][3];
   for (int k = 0; k < kWaves; ++k) {
     for (int c = 0; c < 3; ++c) {
-      cos_sum[k][c] = hn::Load(d64, sums[k]->cosine[c]);
-      sin_sum[k][c] = hn::Load(d64, sums[k]->sine[c]);
+      cos_sum[k][c] = hn::Load(d64, sums[k] + c * lanes);
+      sin_sum[k][c] = hn::Load(d64, sums[k] + (3 + c) * lanes);
     }
   }
   for (int x = 0; x < count; x += static_cast<int>(hn::Lanes(d64))) {
@@ -139,36 +156,44 @@ HWY_INLINE void add(const Plane& plane, const AzimuthTable& table, int m, int st
   }
   for (int k = 0; k < kWaves; ++k) {
     for (int c = 0; c < 3; ++c) {
-      hn::Store(cos_sum[k][c], d64, sums[k]->cosine[c]);
-      hn::Store(sin_sum[k][c], d64, sums[k]->sine[c]);
+      hn::Store(cos_sum[k][c], d64, sums[k] + c * lanes);
+      hn::Store(sin_sum[k][c], d64, sums[k] + (3 + c) * lanes);
     }
   }
 }
 
 // All waves m, m + step ... up to `degree`, two at a time; the sums of m are sums[m].
 HWY_INLINE void add_waves(const Plane& plane, const AzimuthTable& table, int m, int step, int first, int count,
-                          Turned* sums) {
+                          double* sums) {
+  const auto wave = 6 * static_cast<std::ptrdiff_t>(hn::Lanes(d64));
   for (; m + step <= table.degree(); m += 2 * step) {
-    Turned* const two[] = {sums + m, sums + m + step};
+    double* const two[] = {sums + m * wave, sums + (m + step) * wave};
     add<2>(plane, table, m, step, first, count, two);
   }
   if (m > table.degree()) return;
-  Turned* const one[] = {sums + m};
+  double* const one[] = {sums + m * wave};
   add<1>(plane, table, m, step, first, count, one);
 }
 
 // Into the caches, before their turn comes: eight pieces of a row are too short for a processor to foresee the next.
-HWY_INLINE void fetch(const float* p, int count) {
-  constexpr int kLine = 16;
-  for (int k = 0; k < 3 * count; k += kLine) hwy::Prefetch(p + k);
-}
+// A quarter's two pieces at a time, between products: all at once are more than a processor asks memory for.
+struct Next {
+  const float *near = nullptr, *far = nullptr;
+  std::ptrdiff_t quarter = 0;
+  int count = 0;
 
-HWY_INLINE void fetch_columns(View<const float> rows, int y, int x, int count) {
-  const int quarter = rows.width() / 4;
-  for (int k = 0; k < 4; ++k) {
-    fetch(rows.pixel(k * quarter + x, y), count);
-    fetch(rows.pixel((k + 1) * quarter - x - count, y), count);
+  HWY_INLINE void fetch(int k) const {
+    constexpr int kLine = 16;
+    for (int i = 0; i < 3 * count; i += kLine) {
+      hwy::Prefetch(near + 3 * k * quarter + i);
+      hwy::Prefetch(far + 3 * k * quarter + i);
+    }
   }
+};
+
+HWY_INLINE Next next_columns(View<const float> rows, int y, int x, int count) {
+  const int quarter = rows.width() / 4;
+  return {rows.pixel(x, y), rows.pixel(quarter - x - count, y), quarter, count};
 }
 
 HWY_INLINE double total_of(VD v) {
@@ -176,15 +201,16 @@ HWY_INLINE double total_of(VD v) {
 }
 
 // cos and sin of m (psi + delta) from those of m delta; of odd m, with what lies a quarter turn behind.
-HWY_INLINE void turn(const Turned& sums, const Turned& behind, int m, double* moment) {
+HWY_INLINE void turn(const double* sums, const double* behind, int m, double* moment) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d64));
   const Vec2 first = AzimuthTable::turn(3 * m), second = AzimuthTable::turn(m);
   const VD cos1 = hn::Set(d64, first.x()), sin1 = hn::Set(d64, first.y());
   const VD cos2 = hn::Set(d64, second.x()), sin2 = hn::Set(d64, second.y());
   for (int c = 0; c < 3; ++c) {
-    const VD a = hn::Load(d64, sums.cosine[c]), b = hn::Load(d64, sums.sine[c]);
+    const VD a = hn::Load(d64, sums + c * lanes), b = hn::Load(d64, sums + (3 + c) * lanes);
     VD cosine = hn::NegMulAdd(sin1, b, hn::Mul(cos1, a)), sine = hn::MulAdd(cos1, b, hn::Mul(sin1, a));
     if (m % 2 == 1) {
-      const VD p = hn::Load(d64, behind.cosine[c]), q = hn::Load(d64, behind.sine[c]);
+      const VD p = hn::Load(d64, behind + c * lanes), q = hn::Load(d64, behind + (3 + c) * lanes);
       cosine = hn::Add(cosine, hn::NegMulAdd(sin2, q, hn::Mul(cos2, p)));
       sine = hn::Add(sine, hn::MulAdd(cos2, q, hn::Mul(sin2, p)));
     }
@@ -194,39 +220,48 @@ HWY_INLINE void turn(const Turned& sums, const Turned& behind, int m, double* mo
 }
 
 // At most kRows rows. sums: those of the waves of a row, then those of the odd ones a quarter turn behind.
-void Sums(View<const float> rows, const AzimuthTable& table, Turned* sums) {
+void sum_rows(View<const float> rows, const AzimuthTable& table, Sums& sums) {
   const int quarter = rows.width() / 4, eighth = (quarter + 1) / 2, waves = table.degree() + 1;
   Folded folded;
-  for (int x = 0; x < eighth; x += kBlock) {
-    const int count = std::min(kBlock, eighth - x);
+  const int block = eighth <= kShortRow ? kShortBlock : kBlock;
+  const bool spread = table.degree() >= 4;  // with few products there is nothing to spread them over
+  for (int x = 0; x < eighth; x += block) {
+    const int count = std::min(block, eighth - x);
     for (int y = 0; y < rows.height(); ++y) {
+      Next next;
       if (y + 1 < rows.height()) {
-        fetch_columns(rows, y + 1, x, count);
+        next = next_columns(rows, y + 1, x, count);
       } else if (x + count < eighth) {
-        fetch_columns(rows, 0, x + count, std::min(kBlock, eighth - x - count));
+        next = next_columns(rows, 0, x + count, std::min(block, eighth - x - count));
       }
+      for (int k = 0; !spread && k < 4; ++k) next.fetch(k);
       fold(rows.pixel(x, y), rows.row(y) + 3 * (quarter - x), quarter, count, table.degree() > 0, folded);
-      Turned* of_row = sums + y * 2 * waves;
+      double* of_row = sums.wave(y * 2 * waves);
+      if (spread) next.fetch(0);
       add_waves(folded.all, table, 0, 4, x, count, of_row);
+      if (spread) next.fetch(1);
       add_waves(folded.alternating, table, 2, 4, x, count, of_row);
+      if (spread) next.fetch(2);
       add_waves(folded.across, table, 1, 2, x, count, of_row);
-      add_waves(folded.aside, table, 1, 2, x, count, of_row + waves);
+      if (spread) next.fetch(3);
+      add_waves(folded.aside, table, 1, 2, x, count, sums.wave((y * 2 + 1) * waves));
     }
   }
 }
 
 void RowMoments(View<const float> rows, const AzimuthTable& table, double* moments) {
   const int waves = table.degree() + 1;
-  std::vector<Turned> sums(static_cast<std::size_t>(kRows * 2 * waves));
+  Sums sums(kRows * 2 * waves);
   for (int first = 0; first < rows.height(); first += kRows) {
     const int last = std::min(first + kRows, rows.height());
-    std::fill(sums.begin(), sums.end(), Turned{});
-    Sums(rows.rows(first, last), table, sums.data());
+    sums.clear();
+    sum_rows(rows.rows(first, last), table, sums);
     for (int y = first; y < last; ++y) {
-      double* of_row = moments + static_cast<std::ptrdiff_t>(y) * 3 * table.count();
-      const Turned* of_waves = sums.data() + (y - first) * 2 * waves;
-      for (int c = 0; c < 3; ++c) of_row[c] = total_of(hn::Load(d64, of_waves[0].cosine[c]));
-      for (int m = 1; m < waves; ++m) turn(of_waves[m], of_waves[waves + m], m, of_row + 3 * (2 * m - 1));
+      const int of_row = (y - first) * 2 * waves;
+      double* of_moments = moments + static_cast<std::ptrdiff_t>(y) * 3 * table.count();
+      for (int c = 0; c < 3; ++c) of_moments[c] = total_of(hn::Load(d64, sums.cosine(of_row, c)));
+      for (int m = 1; m < waves; ++m)
+        turn(sums.wave(of_row + m), sums.wave(of_row + waves + m), m, of_moments + 3 * (2 * m - 1));
     }
   }
 }
