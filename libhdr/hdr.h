@@ -68,19 +68,19 @@
 #include "libhdr/probe/vignetting.h"  // corners that a lens leaves darker
 
 #include "libhdr/light/cube.h"         // six faces
-#include "libhdr/light/environment.h"  // sample / pdf / invert
 #include "libhdr/light/diffuse_ball.h"  // a matt ball as a light meter
+#include "libhdr/light/environment.h"  // sample / pdf / invert
+#include "libhdr/light/frequency_prefilter.h"  // the same for broad lobes, in frequency space
 #include "libhdr/light/horizontal_irradiance.h"  // what a lux meter would read
 #include "libhdr/light/lights.h"       // N directional lights
-#include "libhdr/light/frequency_prefilter.h"  // the same for broad lobes, in frequency space
 #include "libhdr/light/lights_text.h"  // for USD and Radiance
 #include "libhdr/light/prefilter.h"    // for real-time engines
 #include "libhdr/light/restore_clipped.h"  // suns that every shot clipped
 #include "libhdr/light/sh.h"           // project, irradiance, rotated
-#include "libhdr/light/sh_reflect.h"   // reflection in frequency space
-#include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_fit.h"       // least largest error of the irradiance
 #include "libhdr/light/sh_latlong.h"   // tabulated
+#include "libhdr/light/sh_reflect.h"   // reflection in frequency space
+#include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing
 
 #include "libhdr/render/colour_chart.h"  // a grey ball, a colour chart and a chrome ball

@@ -51,6 +51,18 @@ TEST(LightCommands, HarmonicsOfTheDegreeThatAnErrorAsksFor) {
     EXPECT_TRUE(std::filesystem::exists(scratch / "cube" / (std::string(face) + ".exr"))) << face;
 }
 
+TEST(LightCommands, HarmonicsFittedToIrradianceErrLess) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr");
+  const std::string world = (scratch / "world.exr").string();
+  const Json answer = answer_of({"sh", world, "--fit", "irradiance"});
+  EXPECT_EQ(answer["coefficients"].size(), 9u);
+  EXPECT_LT(answer["fit_error"].get<double>(), 0.9 * answer["projection_error"].get<double>());
+  EXPECT_GE(answer["error_bound"].get<double>(), 0.99 * answer["fit_error"].get<double>());
+  EXPECT_EQ(run_hdr({"sh", world, "--fit", "irradiance", "--degree", "auto"}).exit_code, 2);
+  EXPECT_EQ(run_hdr({"sh", world, "--fit", "radiance"}).exit_code, 2);
+}
+
 TEST(LightCommands, PrefilteredLevelsGrowDuller) {
   const ScratchDir scratch;
   write_world(scratch / "world.exr");
@@ -75,20 +87,6 @@ TEST(LightCommands, PrefilteredLevelsGrowDuller) {
   }
 }
 
-// NaN, infinite, negative, huge: what the file means otherwise stays, and what was changed is said.
-TEST(LightCommands, HostileMapsAreMendedWithAReport) {
-  const ScratchDir scratch;
-  write_world(scratch / "world.exr", 64);
-  const double clean = answer_of({"sh", (scratch / "world.exr").string()})["coefficients"][0][1];
-  constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
-  for (const float bad : {kNan, kInf, -1e30f}) {
-    RadianceMap map = read_map(scratch / "world.exr").map;
-    for (int c = 0; c < 3; ++c) map.rgb(5, 28, c) = bad;
-    const std::string path = (scratch / "bad.exr").string();
-    write_map(path, map, {}, {SampleType::kFloat, "zip"});
-    const Json sh = answer_of({"sh", path}), lights = answer_of({"lights", path, "-n", "8"});
-    for (const Json* answer : {&sh, &lights})
-      EXPECT_FALSE((*answer)["warnings"].empty()) << bad << " went by in silence";
 TEST(LightCommands, LevelsByFrequencyAreTheSampledOnesWithADegreeAndABound) {
   const ScratchDir scratch;
   write_world(scratch / "world.exr");
@@ -115,6 +113,20 @@ TEST(LightCommands, LevelsByFrequencyAreTheSampledOnesWithADegreeAndABound) {
   EXPECT_EQ(run_hdr({"prefilter", world, "-o", bands, "--method", "fourier"}).exit_code, 2);
 }
 
+// NaN, infinite, negative, huge: what the file means otherwise stays, and what was changed is said.
+TEST(LightCommands, HostileMapsAreMendedWithAReport) {
+  const ScratchDir scratch;
+  write_world(scratch / "world.exr", 64);
+  const double clean = answer_of({"sh", (scratch / "world.exr").string()})["coefficients"][0][1];
+  constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const float bad : {kNan, kInf, -1e30f}) {
+    RadianceMap map = read_map(scratch / "world.exr").map;
+    for (int c = 0; c < 3; ++c) map.rgb(5, 28, c) = bad;
+    const std::string path = (scratch / "bad.exr").string();
+    write_map(path, map, {}, {SampleType::kFloat, "zip"});
+    const Json sh = answer_of({"sh", path}), lights = answer_of({"lights", path, "-n", "8"});
+    for (const Json* answer : {&sh, &lights})
+      EXPECT_FALSE((*answer)["warnings"].empty()) << bad << " went by in silence";
     // An infinite pixel is a sun of the largest sample; one pixel of the ground more or less is little else.
     const double l00 = sh["coefficients"][0][1];
     EXPECT_GT(l00, 0.97 * clean) << bad;

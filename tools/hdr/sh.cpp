@@ -7,6 +7,8 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/io/output_file.h"
 #include "libhdr/light/cube.h"
+#include "libhdr/light/environment.h"
+#include "libhdr/light/sh_fit.h"
 #include "libhdr/light/sh_text.h"
 #include "libhdr/light/sh_window.h"
 #include "tools/hdr/cube_output.h"
@@ -19,7 +21,8 @@ namespace {
 
 struct Options {
   ProbeInput probe;
-  std::string degree = "2", window = "none", rotate = "0,0,0", output, format = "json", irradiance_output;
+  std::string degree = "2", fit = "projection", window = "none", rotate = "0,0,0", output, format = "json",
+              irradiance_output;
   double error = 0.01;
   bool cube = false;
   int width = 256;
@@ -42,6 +45,11 @@ void Options::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--error", error, "with --degree auto: of the irradiance, relative to its largest value")
       ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str();
+  app.add_option("--fit", fit,
+                 "projection: least error of the radiance on average; irradiance: least largest error of the "
+                 "irradiance over all normals (degree 0 to 12, not auto)")
+      ->check(CLI::IsMember({"projection", "irradiance"}))
       ->capture_default_str();
   app.add_option("--window", window,
                  "against ringing: none, hann, lanczos, or auto: as little as leaves no irradiance negative")
@@ -78,7 +86,18 @@ Json matrices_of(const Sh& sh) {
 Sh expansion(Run& run, const Options& options, const Probe& probe) {
   const View<const float> rgb = probe.map.rgb;
   ChosenSh chosen;
-  if (options.degree == "auto") {
+  if (options.fit == "irradiance") {
+    const int degree = std::stoi(options.degree);
+    const FittedSh fitted =
+        run.stage("fit", [&] { return fit_irradiance(latlong_from_probe(probe.map, probe.projection), degree); });
+    run.answer["fit_error"] = fitted.error;
+    run.answer["projection_error"] = fitted.projected;
+    run.say(
+        fmt::format("largest error of the irradiance over all normals: {:.2f} % of its largest value; of the "
+                    "projection {:.2f} %",
+                    100 * fitted.error, 100 * fitted.projected));
+    chosen.sh = fitted.sh;
+  } else if (options.degree == "auto") {
     chosen = run.stage("sh", [&] { return project_within(rgb, probe.projection, options.error); });
     if (!chosen.met) {
       run.warn(
@@ -142,6 +161,8 @@ std::function<int(Run&)> declare_sh(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->declare(app);
   return [options](Run& run) {
+    if (options->fit == "irradiance" && (options->degree == "auto" || std::stoi(options->degree) > 12))
+      throw CLI::ValidationError("--fit", "irradiance needs a --degree from 0 to 12");
     const Mat3 rotation = rotation_from_degrees(vec3_from_text(options->rotate, "--rotate"));
     const Probe probe = options->probe.read(run);
     const Sh sh = rotated(expansion(run, *options, probe), rotation);
