@@ -55,7 +55,7 @@ void draw_legend(Image<std::uint8_t>& picture, int top, int lowest, int highest)
 }  // namespace
 
 FalseColour false_colour(View<const float> rgb, double stops) {
-  const double gain = std::exp2(stops) / kGrey;
+  const double gain = internal::gain_from_stops(stops) / kGrey;
   const auto stop_of = [&](double value) { return value > 0 ? std::log2(gain * value) : -1e9; };
   FalseColour result;
   const double high = stop_of(internal::luminance_quantile(rgb, 0.999));

@@ -134,7 +134,7 @@ Image<std::uint8_t> local_tone(View<const float> rgb, double stops, View<const f
     high = std::max(high, *most);
   }
   const double compression = high > low ? std::min(1.0, std::log10(kContrast) / (high - low)) : 1.0;
-  const double brighter = std::exp2(stops - metered_stops(rgb));
+  const double brighter = gain_from_stops(stops - metered_stops(rgb));
   return displayed(rgb, alpha, [&](int x, int y, const float* p, double* out) {
     // log output = compressed base + detail, the brightest base being 1.
     const double log_out = (base(x, y) - high) * compression + (light(x, y) - base(x, y));

@@ -151,7 +151,8 @@ Spectra spectra_of(View<const float> map, int modes) {
 }
 
 struct Kernel {
-  Kernel(int height, double s) : per_s2(1 / (s * s)), reach(static_cast<int>(std::ceil(kCut * s * height / kPi))) {
+  Kernel(int height, double s)
+      : per_s2(1 / (s * s)), reach(static_cast<int>(std::min(std::ceil(kCut * s * height / kPi), 1.0 * height))) {
     for (int y = 0; y < height; ++y) {
       polar.push_back(kPi * (y + 0.5) / height);
       sine.push_back(std::sin(polar.back()));

@@ -16,7 +16,7 @@ using internal::pixel_luminance;
 
 /// Extended Reinhard.
 Image<std::uint8_t> reinhard(View<const float> rgb, double stops, View<const float> alpha) {
-  const double gain = std::exp2(stops);
+  const double gain = internal::gain_from_stops(stops);
   // A white below 1 would brighten the picture instead of making room for highlights.
   const double white = std::max(1.0, gain * internal::luminance_quantile(rgb, 0.999));
   return displayed(rgb, alpha, [&](int, int, const float* p, double* out) {
@@ -35,14 +35,14 @@ double hable(double x) {
 
 Image<std::uint8_t> filmic(View<const float> rgb, double stops, View<const float> alpha) {
   constexpr double kBias = 2, kWhite = 11.2;
-  const double gain = kBias * std::exp2(stops), per_white = 1 / hable(kWhite);
+  const double gain = kBias * internal::gain_from_stops(stops), per_white = 1 / hable(kWhite);
   return displayed(rgb, alpha, [&](int, int, const float* p, double* out) {
     for (int c = 0; c < 3; ++c) out[c] = hable(std::max(0.0, gain * p[c])) * per_white;
   });
 }
 
 Image<std::uint8_t> clip(View<const float> rgb, double stops, View<const float> alpha) {
-  const double gain = std::exp2(stops);
+  const double gain = internal::gain_from_stops(stops);
   return displayed(rgb, alpha, [&](int, int, const float* p, double* out) {
     for (int c = 0; c < 3; ++c) out[c] = gain * p[c];
   });

@@ -14,15 +14,15 @@ Rgb horizontal_irradiance(View<const float> latlong) {
   const auto of_rows = [&](int first, int last) {
     Rgb sum = Rgb::Zero();
     for (int y = first; y < last; ++y) {
-      // The integral of cos(a) sin(a) over a = [top, bottom] is (sin(bottom)^2 - sin(top)^2) / 2, up to the horizon.
-      const double top = std::sin(std::min(kPi * y / height, 0.5 * kPi));
-      const double bottom = std::sin(std::min(kPi * (y + 1) / height, 0.5 * kPi));
+      // The integral of cos(a) sin(a) over a = [top, bottom] is (sin(bottom)^2 - sin(top)^2) / 2, up to the horizon; as
+      // a product, which does not cancel there.
+      const double top = std::min(kPi * y / height, 0.5 * kPi), bottom = std::min(kPi * (y + 1) / height, 0.5 * kPi);
       Rgb row = Rgb::Zero();
       for (int x = 0; x < width; ++x) {
         const float* pixel = latlong.pixel(x, y);
         row += Rgb(pixel[0], pixel[1], pixel[2]);
       }
-      sum += 2 * kPi / width * 0.5 * (bottom * bottom - top * top) * row;
+      sum += 2 * kPi / width * 0.5 * std::sin(bottom + top) * std::sin(bottom - top) * row;
     }
     return sum;
   };

@@ -226,5 +226,33 @@ TEST(Motion, OnTheSphereTheSeamIsNoBorderAndAPoleIsPassed) {
   EXPECT_NEAR(over(19, 0), 100 / 3.0, 1e-3) << "beyond the pole lies the opposite meridian";
 }
 
+// A running sum that rounds would leave 1e-4 of such a sun behind in all that follows it.
+TEST(Motion, ASunLeavesNothingBehind) {
+  Image<float> map(400, 1, 1);
+  for (int x = 0; x < 400; ++x) map(x, 0) = 1e-9f;
+  map(20, 0) = 1e12f;
+  for (const Surface surface : {Surface::kPlane, Surface::kLatLong}) {
+    const Image<float> moved = motion_blur(map, 9, 0, surface);
+    for (int x = 40; x < 380; ++x) EXPECT_NEAR(moved(x, 0), 1e-9, 1e-15) << x;
+  }
+}
+
+TEST(Gaussian, AnySigmaGivesAMean) {
+  const Image<float> scene = scene_with_suns(48, 24, 5);
+  for (const double sigma : {1e-300, 1e-6, 120.0, 1e5, 1e9, 1e300}) {
+    for (const Surface surface : {Surface::kPlane, Surface::kLatLong}) {
+      const Image<float> blurred = gaussian_blur(scene, sigma, surface);
+      for (int y = 0; y < 24; ++y) {
+        for (int x = 0; x < 48; ++x) {
+          ASSERT_GT(blurred(x, y), 0) << sigma;
+          ASSERT_LE(blurred(x, y), 1.0001e4f) << sigma;
+        }
+      }
+    }
+  }
+  const Image<float> flat = gaussian_blur(scene, 1e9);
+  EXPECT_NEAR(flat(0, 0), flat(47, 23), 1e-4 * flat(0, 0)) << "the mean of all";
+}
+
 }  // namespace
 }  // namespace hdr

@@ -64,5 +64,22 @@ TEST(Tonemap, AlphaIsTheFourthChannel) {
   EXPECT_EQ(codes(1, 0, 3), 128);
 }
 
+TEST(Tonemap, WhatIsNoNumberIsBlackAndWhatIsInfiniteIsWhite) {
+  Image<float> map = grey(4, 4, 0.18f);
+  for (int c = 0; c < 3; ++c) {
+    map(0, 0, c) = NAN;
+    map(1, 0, c) = INFINITY;
+  }
+  EXPECT_NEAR(metered_stops(map), 0, 1e-6) << "the others alone are measured";
+  for (const ToneOperator tone : {ToneOperator::kReinhard, ToneOperator::kFilmic, ToneOperator::kClip}) {
+    for (const double stops : {0.0, 1000.0}) {
+      const Image<std::uint8_t> codes = tonemap(map, stops, {}, tone);
+      EXPECT_EQ(codes(0, 0), 0);
+      EXPECT_EQ(codes(1, 0), 255);
+    }
+  }
+  EXPECT_EQ(tonemap(map, 0, {}, ToneOperator::kLocal).size(), map.size());
+}
+
 }  // namespace
 }  // namespace hdr

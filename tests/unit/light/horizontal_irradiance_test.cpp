@@ -35,5 +35,14 @@ TEST(HorizontalIrradiance, IsThatOfTheHarmonicsUpToWhatDegreeTwelveLeavesOut) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(series[c] / exact[c], 1, 3e-3);
 }
 
+// Of the row above the horizon sin^2 - sin^2 would keep half of the digits.
+TEST(HorizontalIrradiance, DoesNotCancelAtTheHorizon) {
+  const int height = 4096;
+  Image<float> map(2, height, 3);
+  map(0, height / 2 - 1, 0) = 1;
+  const double s = std::sin(kPi / height);  // cos^2 of the row's upper edge
+  EXPECT_NEAR(horizontal_irradiance(map)[0] / (0.5 * kPi * s * s), 1, 1e-12);
+}
+
 }  // namespace
 }  // namespace hdr
