@@ -14,7 +14,11 @@ namespace hdr::bench {
 namespace {
 
 constexpr double kShortest = 4e-3;  // s: what takes less is run many times in a row
-constexpr int kMostInARow = 2000, kMostRuns = 7;
+constexpr int kMostInARow = 2000, kMostRuns = 7, kMostRunsInQuick = 3;
+
+std::string not_timed(const std::exception& e) {
+  return std::string("not timed: ") + e.what();
+}
 
 /// A contender in its race.
 struct Runner {
@@ -22,20 +26,28 @@ struct Runner {
   Seconds first;
   Runs runs;
   int in_a_row = 1, wanted = 0;
+  bool failed = false;
 
-  void plan(double budget) {
+  void plan(double budget, int most) {
     const double once = std::max(first.wall, 1e-7);
     in_a_row = std::clamp(static_cast<int>(std::ceil(kShortest / once)), 1, kMostInARow);
-    wanted = std::clamp(static_cast<int>(budget / (once * in_a_row)), 0, kMostRuns);
+    wanted = std::clamp(static_cast<int>(budget / (once * in_a_row)), 0, most);
   }
 
+  /// Work that has succeeded once can fail all the same: a disk fills up, a rival's program is killed.
   void run() {
-    runs.time([&] {
-      for (int k = 0; k < in_a_row; ++k) contender->work();
-    });
+    try {
+      runs.time([&] {
+        for (int k = 0; k < in_a_row; ++k) contender->work();
+      });
+    } catch (const std::exception& e) {
+      contender->row.note = not_timed(e);
+      failed = true;
+    }
   }
 
   void fill(Row& row) const {
+    if (failed) return;
     const bool alone = runs.count() == 0;  // so long that the run that was checked has to do
     const Seconds least = alone ? first : runs.least(), median = alone ? first : runs.median();
     row.cpu_seconds = least.cpu / (alone ? 1 : in_a_row);
@@ -56,7 +68,7 @@ bool checked(Contender& contender, Seconds& first) {
     if (!contender.error) return true;
     row.error = contender.error();
   } catch (const std::exception& e) {
-    row.note = std::string("not timed: ") + e.what();
+    row.note = not_timed(e);
     return false;
   }
   if (row.error <= contender.sane) return true;
@@ -68,24 +80,38 @@ bool checked(Contender& contender, Seconds& first) {
 }  // namespace
 
 std::size_t Bench::race(std::vector<Contender> contenders) {
-  const double budget = quick() ? 0.25 : 3;  // s of wall clock for each
+  const double budget = quick() ? 0.06 : 3;  // s of wall clock for each
+  const int most = quick() ? kMostRunsInQuick : kMostRuns;
   std::vector<Runner> runners;
   for (Contender& contender : contenders) {
     if (contender.row.threads == 0) contender.row.threads = hdr::threads();
-    Runner runner{&contender, {}, {}, 1, 0};
+    Runner runner;
+    runner.contender = &contender;
     if (!checked(contender, runner.first)) continue;
-    runner.plan(budget);
+    runner.plan(budget, most);
     runners.push_back(std::move(runner));
   }
   for (int round = 0; round < kMostRuns; ++round) {
     for (Runner& runner : runners) {
-      if (round < runner.wanted) runner.run();
+      if (round < runner.wanted && !runner.failed) runner.run();
     }
   }
   for (const Runner& runner : runners) runner.fill(runner.contender->row);
   const std::size_t first_row = rows_.size();
   for (Contender& contender : contenders) add(std::move(contender.row));
   return first_row;
+}
+
+void Bench::attempt(const std::string& suite, const std::string& stage, const std::function<void()>& part) {
+  try {
+    part();
+  } catch (const std::exception& e) {
+    Row row{suite, stage, "hdr", "nothing"};
+    row.label = "-";
+    row.threads = hdr::threads();
+    row.note = not_timed(e);
+    add(std::move(row));
+  }
 }
 
 void Bench::add(Row row) {

@@ -48,6 +48,10 @@ class Bench {
   /// Returns the index of the first of their rows.
   std::size_t race(std::vector<Contender> contenders);
 
+  /// A part of a suite. What it throws outside of a race (a bracket that cannot be made, a truth that cannot be had)
+  /// becomes a row of this stage that says why, and the suite goes on with its next part.
+  void attempt(const std::string& suite, const std::string& stage, const std::function<void()>& part);
+
   void add(Row row);
   Row& row(std::size_t index) { return rows_[index]; }
   void absent(const std::string& name, const std::string& remedy);

@@ -47,6 +47,33 @@ TEST(Race, ARivalThatFailsIsARowThatSaysWhy) {
   EXPECT_NE(bench.rows()[0].note.find("no display"), std::string::npos);
 }
 
+TEST(Race, WorkThatFailsWhenItIsTimedIsARowThatSaysWhy) {
+  int runs = 0;
+  Bench bench({true, {}, {}});
+  bench.race({{row_of("rival"),
+               [&] {
+                 if (++runs > 1) throw Error("the disk is full");
+               },
+               [] { return 0.0; }, 10},
+              {row_of("hdr"), [] {}, [] { return 0.0; }, 10}});
+  ASSERT_EQ(bench.rows().size(), 2u);
+  EXPECT_FALSE(bench.rows()[0].timed());
+  EXPECT_EQ(runs, 2) << "not again";
+  EXPECT_NE(bench.rows()[0].note.find("the disk is full"), std::string::npos);
+  EXPECT_TRUE(bench.rows()[1].timed()) << "the others race on";
+}
+
+TEST(Bench, APartThatCannotBeSetUpIsARowThatSaysWhy) {
+  Bench bench({true, {}, {}});
+  bench.attempt("render", "by method", [] { throw Error("this build has no `hdr render --method prt`"); });
+  bench.attempt("render", "by size", [&] { bench.race({{row_of("hdr"), [] {}}}); });
+  ASSERT_EQ(bench.rows().size(), 2u);
+  EXPECT_FALSE(bench.rows()[0].timed());
+  EXPECT_EQ(bench.rows()[0].suite, "render");
+  EXPECT_EQ(bench.rows()[0].note, "not timed: this build has no `hdr render --method prt`");
+  EXPECT_TRUE(bench.rows()[1].timed());
+}
+
 TEST(Race, TimesAreThoseOfTheWork) {
   volatile double sink = 0;
   const auto work = [&sink](int rounds) {

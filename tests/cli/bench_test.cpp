@@ -46,7 +46,9 @@ TEST(Bench, RowsHaveErrorsAndTimes) {
   }
   EXPECT_TRUE(answer["advice"].contains("lights"));
   EXPECT_FALSE(answer["machine"]["processor"].get<std::string>().empty());
-  EXPECT_EQ(answer["stages"].size(), 2u);
+  ASSERT_EQ(answer["stages"].size(), 3u) << "a suite each, and the report";
+  EXPECT_EQ(answer["stages"][0]["name"], "sh");
+  EXPECT_EQ(answer["stages"][2]["name"], "report");
   const std::string table = bytes_of(csv);
   EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')), rows.size() + 1);
   const std::string html = bytes_of(page);

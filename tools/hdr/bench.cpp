@@ -98,6 +98,13 @@ void tell(Run& run, const bench::Bench& all, const std::vector<const bench::Suit
   run.answer["machine"] = json_of(bench::this_machine());
 }
 
+/// Each suite's seconds follow by themselves, as those of every verb's stages.
+void tell_seconds(Run& run) {
+  double wall = 0, cpu = 0;
+  for (const Stage& stage : run.clock.stages()) wall += stage.seconds, cpu += stage.cpu_seconds;
+  run.say(fmt::format("all suites: {:.1f} s, {:.1f} CPU s; of these", wall, cpu));
+}
+
 void write_pictures(Run& run, const Options& options, const bench::Bench& all) {
   if (options.pictures.empty()) return;
   std::filesystem::create_directories(options.pictures);
@@ -122,10 +129,12 @@ std::function<int(Run&)> declare_bench(CLI::App& app) {
   return [options](Run& run) {
     bench::Bench all({options->quick, options->probe, options->scene});
     const std::vector<const bench::Suite*> suites = wanted(*options);
-    for (const bench::Suite* suite : suites) run.stage(suite->name, [&] { suite->run(all); });
+    for (const bench::Suite* suite : suites) {
+      run.stage(suite->name, [&] { all.attempt(suite->name, "the whole suite", [&] { suite->run(all); }); });
+    }
     tell(run, all, suites);
     if (!options->output.empty()) {
-      write_text(options->output, bench_report(all, suites));
+      run.stage("report", [&] { write_text(options->output, bench_report(all, suites, run)); });
       run.say("wrote " + options->output);
     }
     if (!options->csv.empty()) {
@@ -133,6 +142,7 @@ std::function<int(Run&)> declare_bench(CLI::App& app) {
       run.say("wrote " + options->csv);
     }
     write_pictures(run, *options, all);
+    tell_seconds(run);
     return 0;
   };
 }

@@ -58,11 +58,31 @@ report::Series series_of(const std::string& subject, std::size_t place) {
   return series;
 }
 
-report::Plot effort_plot(const std::vector<Row>& rows) {
+/// Across the whole plot, where the axis has its unit and the error comes near it.
+void add_target(report::Plot& plot, const bench::Target& target, const std::string& unit) {
+  if (unit != target.unit || plot.series.empty()) return;
+  double first = std::numeric_limits<double>::infinity(), last = 0, least = first, most = 0;
+  for (const report::Series& series : plot.series) {
+    for (const double x : series.x) first = std::min(first, x), last = std::max(last, x);
+    for (const double y : series.y) least = std::min(least, y), most = std::max(most, y);
+  }
+  if (!(first < last) || target.error < least / 3 || target.error > 3 * most) return;
+  report::Series line{fmt::format("{} {}", bench::short_number(target.error), target.unit), report::Mark::kLine,
+                      report::Colour::kInk};
+  line.dash = 2;
+  line.x = {first, last};
+  line.y = {target.error, target.error};
+  plot.series.push_back(std::move(line));
+}
+
+report::Plot effort_plot(const std::vector<Row>& rows, const bench::Target& target) {
   report::Plot plot;
-  plot.title = rows[0].stage;
-  plot.x = {rows[0].time_name.empty() ? "CPU time (s)" : rows[0].time_name, true, {}, {}, {}, false};
-  plot.y = {fmt::format("error ({})", rows[0].error_unit), true, {}, {}, {}, false};
+  // A row that could not be measured may not know its units.
+  const auto known = std::find_if(rows.begin(), rows.end(), [](const Row& row) { return std::isfinite(row.error); });
+  const Row& first = known == rows.end() ? rows[0] : *known;
+  plot.title = first.stage;
+  plot.x = {first.time_name.empty() ? "CPU time (s)" : first.time_name, true, {}, {}, {}, false};
+  plot.y = {fmt::format("error ({})", first.error_unit), true, {}, {}, {}, false};
   const double exact = floor_of_errors(rows);
   const std::vector<std::string> subjects = distinct(rows, &Row::subject);
   for (std::size_t k = 0; k < subjects.size(); ++k) {
@@ -77,7 +97,15 @@ report::Plot effort_plot(const std::vector<Row>& rows) {
     }
     if (!series.x.empty()) plot.series.push_back(std::move(series));
   }
+  add_target(plot, target, first.error_unit);
   return plot;
+}
+
+std::string plot_error_name(const std::vector<Row>& rows) {
+  for (const Row& row : rows) {
+    if (!row.error_name.empty()) return row.error_name;
+  }
+  return {};
 }
 
 report::Plot scaling_plot(const std::vector<Row>& rows) {
@@ -108,21 +136,49 @@ report::Plot scaling_plot(const std::vector<Row>& rows) {
   return plot;
 }
 
+/// Error as the problem grows worse. Along the line it is what the condition alone must be expected to leave.
+report::Plot numerics_plot(const std::vector<Row>& rows) {
+  report::Plot plot;
+  plot.title = rows[0].stage;
+  plot.x = {rows[0].knob, true, {}, {}, {}, false};
+  plot.y = {"error (roundings, 1.1e-16)", true, {}, {}, {}, false};
+  const double exact = floor_of_errors(rows);
+  const std::vector<std::string> subjects = distinct(rows, &Row::subject);
+  report::Series expected{"what the condition alone allows", report::Mark::kLine, report::Colour::kInk};
+  expected.dash = 2;
+  for (std::size_t k = 0; k < subjects.size(); ++k) {
+    report::Series series = series_of(subjects[k], k);
+    for (const Row& row : rows) {
+      if (row.subject != subjects[k] || !std::isfinite(row.error)) continue;
+      series.x.push_back(row.value);
+      series.y.push_back(row.error > 0 ? row.error : exact);
+      series.notes.push_back(note_of(row));
+      if (k == 0) expected.x.push_back(row.value), expected.y.push_back(row.value);
+    }
+    if (!series.x.empty()) plot.series.push_back(std::move(series));
+  }
+  if (rows[0].knob == "condition number") plot.series.push_back(std::move(expected));
+  return plot;
+}
+
 }  // namespace
 
-std::string bench_plots(const std::vector<Row>& rows) {
+std::string bench_plots(const std::vector<Row>& rows, const bench::Target& target) {
   std::string figures;
   for (const std::string& stage : distinct(rows, &Row::stage)) {
     std::vector<Row> of_stage;
     std::copy_if(rows.begin(), rows.end(), std::back_inserter(of_stage),
                  [&](const Row& row) { return row.stage == stage; });
-    if (of_stage[0].suite == "skips") continue;
-    const bool scaling = scales(of_stage[0]);
-    const report::Plot plot = scaling ? scaling_plot(of_stage) : effort_plot(of_stage);
+    if (of_stage[0].suite == "skips" || of_stage[0].knob == "nothing") continue;
+    const bool scaling = scales(of_stage[0]), numerics = of_stage[0].suite == "numerics";
+    const report::Plot plot = numerics  ? numerics_plot(of_stage)
+                              : scaling ? scaling_plot(of_stage)
+                                        : effort_plot(of_stage, target);
     if (plot.series.empty()) continue;
-    const std::string caption = scaling
-                                    ? "Least of several interleaved runs."
-                                    : fmt::format("Error: {}. To the left and down is better.", of_stage[0].error_name);
+    const std::string caption =
+        numerics  ? "Error: " + of_stage[0].error_name + ". Down is better."
+        : scaling ? "Least of several interleaved runs."
+                  : fmt::format("Error: {}. To the left and down is better.", plot_error_name(of_stage));
     figures += report::figure(report::html_of(plot), caption);
   }
   return figures.empty() ? figures : "<div class=\"figures\">" + figures + "</div>\n";

@@ -15,6 +15,7 @@
 #include "tools/hdr/report/embed.h"
 #include "tools/hdr/report/html.h"
 #include "tools/hdr/report/page.h"
+#include "tools/hdr/report_common.h"
 
 namespace hdr::tools {
 namespace {
@@ -54,7 +55,7 @@ std::string table_of_rows(const std::vector<Row>& rows) {
   return "<details><summary>All rows</summary>\n" + table.html() + "</details>\n";
 }
 
-/// A skip is two rows: all done, and with what the scene does not need left out.
+/// A skip is two rows: all done, and with what the scene does not need left out. What failed is one row that says why.
 std::string table_of_skips(const std::vector<Row>& rows) {
   report::Table table({{"what is skipped", false},
                        {"scene", false},
@@ -62,11 +63,29 @@ std::string table_of_skips(const std::vector<Row>& rows) {
                        {"skipping", true},
                        {"change of the answer", true},
                        {"", false}});
-  for (std::size_t k = 0; k + 1 < rows.size(); k += 2) {
-    const Row &all = rows[k], &skipping = rows[k + 1];
-    table.row({all.stage, all.label, bench::short_seconds(all.cpu_seconds) + " CPU",
-               bench::short_seconds(skipping.cpu_seconds) + " CPU",
-               bench::short_number(skipping.error) + " " + skipping.error_unit, skipping.note});
+  const auto cpu = [](const Row& row) { return row.timed() ? bench::short_seconds(row.cpu_seconds) + " CPU" : "-"; };
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const bool paired = k + 1 < rows.size() && rows[k + 1].stage == rows[k].stage && rows[k + 1].label == rows[k].label;
+    const Row &all = rows[k], &skipping = paired ? rows[++k] : all;
+    const std::string changed =
+        std::isfinite(skipping.error) ? bench::short_number(skipping.error) + " " + skipping.error_unit : "-";
+    table.row({all.stage, all.label, paired ? cpu(all) : "-", cpu(skipping), changed, skipping.note});
+  }
+  return table.html();
+}
+
+/// What must be expected is the condition number in roundings; how much more or less came of it is the growth.
+std::string table_of_numerics(const std::vector<Row>& rows) {
+  report::Table table({{"problem", false},
+                       {"by", false},
+                       {"", false},
+                       {"", true},
+                       {"error (roundings of 1.1e-16)", true},
+                       {"error / condition", true}});
+  for (const Row& row : rows) {
+    const bool conditioned = row.knob == "condition number";
+    table.row({row.stage, row.subject, row.knob, bench::text_of_value(row), bench::short_number(row.error),
+               conditioned ? bench::short_number(row.error / row.value) : "-"});
   }
   return table.html();
 }
@@ -90,10 +109,11 @@ std::string html_of_suite(const Bench& all, const Suite& suite) {
   const std::string words = bench::advice_of(suite, rows);
   if (!words.empty()) html += "<p><strong>" + report::escaped(words) + "</strong></p>\n";
   if (std::string(suite.name) == "skips") return html + table_of_skips(rows);
+  if (std::string(suite.name) == "numerics") return html + bench_plots(rows, suite.target) + table_of_numerics(rows);
   if (std::string(suite.name) == "lecture") {
     for (const bench::Picture& picture : all.pictures()) html += html_of_picture(picture);
   }
-  return html + bench_plots(rows) + table_of_rows(rows);
+  return html + bench_plots(rows, suite.target) + table_of_rows(rows);
 }
 
 std::string html_of_absent(const Bench& all) {
@@ -104,7 +124,7 @@ std::string html_of_absent(const Bench& all) {
 
 }  // namespace
 
-std::string bench_report(const Bench& all, const std::vector<const Suite*>& suites) {
+std::string bench_report(const Bench& all, const std::vector<const Suite*>& suites, const Run& run) {
   const bench::Machine machine = bench::this_machine();
   report::Page page(
       "hdr bench: time against error",
@@ -119,6 +139,7 @@ std::string bench_report(const Bench& all, const std::vector<const Suite*>& suit
   if (!advice.empty()) page.add({"which", "Which setting to use", advice.html()});
   for (const Suite* suite : suites) page.add({suite->name, suite->name, html_of_suite(all, *suite)});
   page.add({"absent", "Not there", html_of_absent(all)});
+  add_stages(page, run);
   page.add({"machine", "The machine", html_of_machine()});
   page.use(report::assets::kPlotScript);
   return page.text();

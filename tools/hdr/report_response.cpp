@@ -27,6 +27,11 @@ double off_curve(const Response& response, int channel, const CurveFragment& f, 
   return response.ln_exposure(channel, f.codes[k]) - f.ln_radiance - f.ln_exposure[k];
 }
 
+/// From black to where the curve ends.
+report::Axis axis_of_codes(const Response& response, const char* label) {
+  return {label, false, 0, response.code_from_level(response.levels() - 1)};
+}
+
 Series curve_of(const Response& response, int channel, const std::string& name) {
   Series curve{name, Mark::kLine, report::colour_of_channel(channel)};
   curve.dash = channel;
@@ -65,7 +70,7 @@ double lowest_shown(const Response& response) {
 std::string curves_figure(const Response& response, const std::array<Fragments, 3>& fragments, const Calibration* fit) {
   Plot plot;
   plot.title = "Response";
-  plot.x = {"code"};
+  plot.x = axis_of_codes(response, "code");
   plot.y = {"g(code): ln exposure, 0 at the middle code", false, lowest_shown(response)};
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
@@ -104,7 +109,7 @@ std::vector<const CurveFragment*> chosen(const Fragments& fragments) {
 std::string fragments_figure(const Response& response, const Fragments& fragments, bool shifted) {
   Plot plot;
   plot.title = shifted ? "The same pixels after their shift" : "Single pixels: fragments of g";
-  plot.x = {"code (green)"};
+  plot.x = axis_of_codes(response, "code (green)");
   plot.y = {shifted ? "ln H + ln E" : "ln H, exposure of the shot"};
   std::size_t turn = 0;
   for (const CurveFragment* f : chosen(fragments)) {
@@ -134,7 +139,7 @@ std::string fragments_figure(const Response& response, const Fragments& fragment
 std::string residuals_figure(const Response& response, const std::array<Fragments, 3>& fragments) {
   Plot plot;
   plot.title = "How far the pixels are from the curve";
-  plot.x = {"code"};
+  plot.x = axis_of_codes(response, "code");
   plot.y = {"g(code) - ln E - ln H (%)"};
   for (int c = 0; c < 3; ++c) {
     Series points{kChannels[c], Mark::kPoints, report::colour_of_channel(c)};

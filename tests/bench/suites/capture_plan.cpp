@@ -75,12 +75,21 @@ void add_take(const Place& place, const BracketRequest& request, Sums& sums) {
 
 void measure(Bench& bench, const std::vector<Place>& all, const std::string& subject, const std::string& setting,
              const BracketRequest& request) {
-  const Stopwatch watch;
-  Sums sums;
-  for (const Place& place : all) add_take(place, request, sums);
-  const Seconds spent = watch.elapsed();
   Row row{"capture-plan", fmt::format("{} scenes of 6 to 18 stops before a virtual camera", all.size()), subject,
           "shots"};
+  row.setting = setting;
+  row.threads = 1;
+  const Stopwatch watch;
+  Sums sums;
+  try {
+    for (const Place& place : all) add_take(place, request, sums);
+  } catch (const std::exception& e) {
+    row.label = request.grid ? std::to_string(request.grid->count) : "planned";
+    row.note = std::string("not timed: ") + e.what();
+    bench.add(row);
+    return;
+  }
+  const Seconds spent = watch.elapsed();
   row.value = sums.shots / sums.count;
   row.error = 100 * sums.missed / sums.count;
   row.error_name = "samples that no shot shows";
@@ -89,8 +98,6 @@ void measure(Bench& bench, const std::vector<Place>& all, const std::string& sub
   row.wall_seconds = sums.camera_seconds / sums.count;
   row.time_name = "s that the camera is busy, a scene";
   row.megapixels = megapixels(all[0].scene.size());
-  row.threads = 1;
-  row.setting = setting;
   bench.add(row);
 }
 

@@ -149,9 +149,9 @@ void by_megapixels(Bench& bench) {
 }  // namespace
 
 void files_suite(Bench& bench) {
-  by_format(bench);
-  against_oiiotool(bench);
-  by_megapixels(bench);
+  bench.attempt("files", "by format", [&] { by_format(bench); });
+  bench.attempt("files", "commands", [&] { against_oiiotool(bench); });
+  bench.attempt("files", "by size", [&] { by_megapixels(bench); });
 }
 
 }  // namespace hdr::bench

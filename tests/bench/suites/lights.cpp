@@ -70,8 +70,8 @@ void by_megapixels(Bench& bench) {
 }  // namespace
 
 void lights_suite(Bench& bench) {
-  by_count(bench);
-  by_megapixels(bench);
+  bench.attempt("lights", "by number", [&] { by_count(bench); });
+  bench.attempt("lights", "by size", [&] { by_megapixels(bench); });
 }
 
 }  // namespace hdr::bench

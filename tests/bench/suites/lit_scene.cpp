@@ -1,5 +1,6 @@
 #include "tests/bench/suites/lit_scene.h"
 
+#include "libhdr/core/error.h"
 #include "libhdr/render/scene_file.h"
 #include "tests/bench/render_scene.h"
 #include "tests/bench/suites/light_map.h"
@@ -27,10 +28,10 @@ double percent_off(const RadianceMap& picture, const RadianceMap& reference) {
   return 100 * rel_rmse(picture.rgb, reference.rgb, reference.alpha);
 }
 
-std::optional<Rendering> rendered(const Scene& scene, const Environment& light, const std::string& method, Size size,
-                                  int samples, std::uint64_t seed) {
+Rendering rendered(const Scene& scene, const Environment& light, const std::string& method, Size size, int samples,
+                   std::uint64_t seed) {
   const auto known = render_method_from_name(method);
-  if (!known) return std::nullopt;
+  if (!known) throw Error("this build has no `hdr render --method " + method + "`");
   RenderOptions options;
   options.method = *known;
   options.size = size;

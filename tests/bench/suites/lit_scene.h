@@ -16,8 +16,8 @@ Environment environment_of(const Bench& bench, int width, bool compensated);
 /// In percent, over pixels that the reference covers wholly (tests/bench/render_scene.h). NaN when sizes differ.
 double percent_off(const RadianceMap& picture, const RadianceMap& reference);
 
-/// By the method of that name, if this build has it.
-std::optional<Rendering> rendered(const Scene& scene, const Environment& light, const std::string& method, Size size,
-                                  int samples, std::uint64_t seed);
+/// By the method of that name. Error in a build without it.
+Rendering rendered(const Scene& scene, const Environment& light, const std::string& method, Size size, int samples,
+                   std::uint64_t seed);
 
 }  // namespace hdr::bench

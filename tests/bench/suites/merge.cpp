@@ -55,7 +55,7 @@ Image<float> merged_as(const Bracket& bracket, const Response& response, WeightK
 
 /// More shots over the same eight stops, the response known: lossless photographs of one scene.
 void by_shots(Bench& bench) {
-  const Size size = bench.pick(Size{750, 500}, Size{2400, 1600});
+  const Size size = bench.pick(Size{480, 320}, Size{2400, 1600});
   std::vector<Photographed> brackets;
   for (const int count : {2, 3, 5, 9, 17}) {
     BracketPlan plan;
@@ -112,7 +112,7 @@ Image<float> calibrated_and_merged(const Bracket& bracket) {
 
 /// The whole of it, on decoded shots: what another library needs for response and map.
 void against_libraries(Bench& bench) {
-  const Size size = bench.pick(Size{1200, 800}, Size{6000, 4000});
+  const Size size = bench.pick(Size{600, 400}, Size{6000, 4000});
   const Photographed made = nine_jpegs(size);
   const std::string stage = fmt::format("calibrating and merging 9 JPEGs of {}x{}", size.width, size.height);
   std::vector<Contender> contenders;
@@ -131,7 +131,7 @@ void against_libraries(Bench& bench) {
 
 /// Commands, from files to a file.
 void against_programs(Bench& bench) {
-  const Size size = bench.pick(Size{600, 400}, Size{3000, 2000});
+  const Size size = bench.pick(Size{480, 320}, Size{3000, 2000});
   const Photographed made = nine_jpegs(size);
   const ShotFiles shots{made.files, made.truth.seconds};
   const std::string stage = fmt::format("commands: 9 JPEGs of {}x{} to an EXR", size.width, size.height);
@@ -167,7 +167,7 @@ void against_programs(Bench& bench) {
 }
 
 void by_megapixels(Bench& bench) {
-  for (const int width : bench.quick() ? std::vector<int>{300, 600, 1200} : std::vector<int>{600, 1200, 2400, 4800}) {
+  for (const int width : bench.quick() ? std::vector<int>{150, 300, 600} : std::vector<int>{600, 1200, 2400, 4800}) {
     const Size size{width, width * 2 / 3};
     const Photographed made = nine_jpegs(size);
     Row row{"merge", "merging 9 JPEGs, the response known, by size", "hdr", "megapixels"};
@@ -177,7 +177,7 @@ void by_megapixels(Bench& bench) {
 }
 
 void by_threads(Bench& bench) {
-  const Photographed made = nine_jpegs(bench.pick(Size{1200, 800}, Size{4800, 3200}));
+  const Photographed made = nine_jpegs(bench.pick(Size{600, 400}, Size{4800, 3200}));
   Row row{"merge", "merging 9 JPEGs, the response known, by threads", "hdr", "threads"};
   row.megapixels = megapixels(made.bracket.size());
   race_threads(bench, row, [&made] { merge(made.bracket, no_alignment(made.bracket), made.truth.response); });
@@ -186,11 +186,11 @@ void by_threads(Bench& bench) {
 }  // namespace
 
 void merge_suite(Bench& bench) {
-  by_shots(bench);
-  against_libraries(bench);
-  against_programs(bench);
-  by_megapixels(bench);
-  by_threads(bench);
+  bench.attempt("merge", "by shots", [&] { by_shots(bench); });
+  bench.attempt("merge", "libraries", [&] { against_libraries(bench); });
+  bench.attempt("merge", "commands", [&] { against_programs(bench); });
+  bench.attempt("merge", "by size", [&] { by_megapixels(bench); });
+  bench.attempt("merge", "by threads", [&] { by_threads(bench); });
 }
 
 }  // namespace hdr::bench

@@ -83,9 +83,9 @@ void by_threads(Bench& bench) {
 }  // namespace
 
 void sh_suite(Bench& bench) {
-  irradiance_by_degree(bench);
-  nine_by_megapixels(bench);
-  by_threads(bench);
+  bench.attempt("sh", "by degree", [&] { irradiance_by_degree(bench); });
+  bench.attempt("sh", "by size", [&] { nine_by_megapixels(bench); });
+  bench.attempt("sh", "by threads", [&] { by_threads(bench); });
 }
 
 }  // namespace hdr::bench

@@ -125,7 +125,7 @@ void of_noise(Bench& bench, const Photographed& still) {
   MergeOptions known;
   known.noise_estimate = calibration.noise;
   pair(
-      bench, {"measuring the noise again", "calibrated from the same bracket", 0}, still.bracket.size(),
+      bench, {"measuring the noise again", "calibrated from the same bracket", 0.01}, still.bracket.size(),
       [&] { return merge(still.bracket, alignment, calibration.response, known).map.rgb; },
       [&] { return merge(still.bracket, alignment, calibration.response).map.rgb; });
 }
@@ -153,21 +153,58 @@ void of_shadow_rays(Bench& bench) {
   const Size size = bench.pick(Size{160, 120}, Size{640, 480});
   pair(
       bench, {"shadow rays where nothing can occlude", "a convex scene", 0.01}, size,
-      [&] { return rendered(alone, light, "mis", size, 32, 1)->picture.rgb.clone(); },
-      [&] { return rendered(other, light, "mis", size, 32, 1)->picture.rgb.clone(); });
+      [&] { return rendered(alone, light, "mis", size, 32, 1).picture.rgb.clone(); },
+      [&] { return rendered(other, light, "mis", size, 32, 1).picture.rgb.clone(); });
+}
+
+/// The curve is told by a few hundred points as well as by all that the shots have: exposures of all codes.
+void of_points(Bench& bench, const Photographed& made) {
+  const auto calibrated = [&](int points) {
+    CalibrateOptions options;
+    options.pixels = points;
+    const Response response = calibrate_debevec_malik(made.bracket, {}, options).response;
+    Image<float> curve(256, 1, 3);
+    for (int c = 0; c < 3; ++c) {
+      for (int code = 0; code < 256; ++code) curve(code, 0, c) = static_cast<float>(response.exposure(c, code));
+    }
+    return curve;
+  };
+  const int many = bench.pick(3000, 30000);
+  pair(
+      bench, {fmt::format("points of {} that calibrating does not need", many), "JPEGs of 16 stops", 5},
+      made.bracket.size(), [&] { return calibrated(0); }, [&] { return calibrated(many); });
+}
+
+/// Directions for pixels that are known well enough already.
+void of_converged_pixels(Bench& bench) {
+  const Environment light = environment_of(bench, 256, true);
+  const Scene scene = lit_scene(bench);
+  RenderOptions options;
+  options.method = RenderMethod::kMis;
+  options.size = bench.pick(Size{80, 60}, Size{400, 300});
+  options.samples = bench.pick(128, 512);
+  RenderOptions enough = options;
+  enough.error = 0.05;
+  pair(
+      bench, {fmt::format("samples of {} where a pixel is within 5 %", options.samples), scene_name(bench), 10},
+      options.size, [&] { return render(scene, light, enough).picture.rgb.clone(); },
+      [&] { return render(scene, light, options).picture.rgb.clone(); });
 }
 
 }  // namespace
 
 void skips_suite(Bench& bench) {
-  const Size size = bench.pick(Size{900, 600}, Size{4000, 2667});
+  const Size size = bench.pick(Size{600, 400}, Size{4000, 2667});
   const Photographed jpegs = photographed(plan_of(size, "jpg")), pngs = photographed(plan_of(size, "png"));
-  of_alignment(bench, jpegs);
-  of_tiles(bench, jpegs, pngs);
-  of_ghosts(bench, pngs);
-  of_noise(bench, pngs);
-  of_degrees(bench);
-  of_shadow_rays(bench);
+  const auto part = [&](const char* stage, const std::function<void()>& work) { bench.attempt("skips", stage, work); };
+  part("resampling", [&] { of_alignment(bench, jpegs); });
+  part("tiles", [&] { of_tiles(bench, jpegs, pngs); });
+  part("ghosts", [&] { of_ghosts(bench, pngs); });
+  part("noise", [&] { of_noise(bench, pngs); });
+  part("degrees", [&] { of_degrees(bench); });
+  part("shadow rays", [&] { of_shadow_rays(bench); });
+  part("points", [&] { of_points(bench, jpegs); });
+  part("converged pixels", [&] { of_converged_pixels(bench); });
 }
 
 }  // namespace hdr::bench

@@ -16,6 +16,7 @@ const std::vector<Suite>& suites() {
       {"filter", "Gaussian blurs: sigma, against the exact sum", filter_suite},
       {"lecture", "the lecture's series of 2003 again, against a converged render", lecture_suite},
       {"skips", "what a scene does not need is not done: the answer without, against the answer with", skips_suite},
+      {"numerics", "digits that are lost: condition numbers, against long double", numerics_suite},
   };
   return all;
 }

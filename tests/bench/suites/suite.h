@@ -34,5 +34,6 @@ void files_suite(Bench& bench);
 void filter_suite(Bench& bench);
 void lecture_suite(Bench& bench);
 void skips_suite(Bench& bench);
+void numerics_suite(Bench& bench);
 
 }  // namespace hdr::bench

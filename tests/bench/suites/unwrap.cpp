@@ -160,9 +160,9 @@ void by_threads(Bench& bench) {
 }  // namespace
 
 void unwrap_suite(Bench& bench) {
-  by_width(bench);
-  against_remap(bench);
-  by_threads(bench);
+  bench.attempt("unwrap", "by width", [&] { by_width(bench); });
+  bench.attempt("unwrap", "by kernel", [&] { against_remap(bench); });
+  bench.attempt("unwrap", "by threads", [&] { by_threads(bench); });
 }
 
 }  // namespace hdr::bench

@@ -46,7 +46,7 @@ std::vector<Tick> log_ticks(double low, double high, int count) {
     for (int m = 1; m <= 9; ++m) {
       const double value = m * power;
       if (value < low * (1 - 1e-9) || value > high * (1 + 1e-9)) continue;
-      const bool labelled = m == 1 ? k % stride == 0 : decades < 2.5 && (m == 2 || m == 5);
+      const bool labelled = m == 1 ? k % stride == 0 : decades < 0.6 || (decades < 2.5 && (m == 2 || m == 5));
       if (m > 1 && stride > 1) continue;
       const std::string between = k < -3 || k > 3 ? std::to_string(m) + "·" + power_text(k) : number(value, 1);
       ticks.push_back({value, !labelled ? "" : m == 1 ? power_text(k) : between});
