@@ -10,6 +10,9 @@ HDR_BUILD_PACKAGES=(build-essential cmake ninja-build pkg-config ccache
 # What its tests need besides.
 HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)
 
+# A browser in which its reports are looked at (tests/browser). Without it those tests are skipped, and say so.
+HDR_BROWSER_PACKAGES=(chromium python3)
+
 # What `hdr bench` and the programs of tests/bench measure against, and with; without it they run, and say what is not
 # there. Other rivals are looked for when they run: pfstools, luminance-hdr, openimageio-tools, blender.
 HDR_BENCH_PACKAGES=(libopencv-photo-dev libbenchmark-dev)

@@ -4,7 +4,9 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source samples/packages.sh
 install_packages "${HDR_BUILD_PACKAGES[@]}" "${HDR_TEST_PACKAGES[@]}" "${HDR_BENCH_PACKAGES[@]}"
-# Cameras are not worth a red run where these cannot be had.
+# Neither a browser nor cameras are worth a red run where they cannot be had.
+install_packages "${HDR_BROWSER_PACKAGES[@]}" ||
+  echo "browser tests: not all of these could be installed: ${HDR_BROWSER_PACKAGES[*]}"
 install_packages "${HDR_CAMERA_PACKAGES[@]}" ||
   echo "camera tests: not all of these could be installed: ${HDR_CAMERA_PACKAGES[*]}"
 tests/camera/vm.sh --prepare || echo "camera tests: those with real drivers are skipped, see the line above"
