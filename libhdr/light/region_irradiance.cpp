@@ -21,8 +21,12 @@ struct Block {
 class Blocks {
  public:
   Blocks(View<const float> map, const std::vector<std::uint8_t>& left_out) : map_(map), left_out_(left_out) {
-    for (int y = 0; y < map.height(); ++y)
+    for (int y = 0; y < map.height(); ++y) {
       solid_angles_.push_back(latlong_pixel_solid_angle(y, map.width(), map.height()));
+      const double polar = kPi * (y + 0.5) / map.height();
+      polar_.emplace_back(std::sin(polar), std::cos(polar));
+    }
+    for (int x = 0; x < map.width(); ++x) azimuths_.push_back(dir_from_latlong((x + 0.5) / map.width(), 0.5));
     const int columns = std::min(128, map.width()), rows = std::min(64, map.height());
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < columns; ++i)
@@ -33,7 +37,11 @@ class Blocks {
     });
   }
 
-  Vec3 direction(int x, int y) const { return dir_from_latlong((x + 0.5) / map_.width(), (y + 0.5) / map_.height()); }
+  Vec3 direction(int x, int y) const {
+    const Vec3& horizon = azimuths_[static_cast<std::size_t>(x)];
+    const Vec2& polar = polar_[static_cast<std::size_t>(y)];
+    return {polar.x() * horizon.x(), polar.y(), polar.x() * horizon.z()};
+  }
 
   /// Radiance times solid angle.
   Rgb light(int x, int y) const {
@@ -80,6 +88,8 @@ class Blocks {
   View<const float> map_;
   const std::vector<std::uint8_t>& left_out_;
   std::vector<double> solid_angles_;
+  std::vector<Vec2> polar_;     // sine and cosine of rows' polar angles
+  std::vector<Vec3> azimuths_;  // columns' directions on the horizon
   std::vector<Block> blocks_;
 };
 
