@@ -82,6 +82,7 @@
 #include "libhdr/light/sh_reflect.h"   // reflection in frequency space
 #include "libhdr/light/sh_text.h"      // for C, three.js, Filament, Unity
 #include "libhdr/light/sh_window.h"    // against ringing
+#include "libhdr/light/split_lights.h" // compact lights and the soft rest
 
 #include "libhdr/render/colour_chart.h"  // a grey ball, a colour chart and a chrome ball
 #include "libhdr/render/composite.h"  // objects into a photograph

@@ -32,4 +32,21 @@ Vec3f CameraRays::dir_from_px(const Vec2& px) const {
   return (forward_ + x * right_ + y * up_).normalized().cast<float>();
 }
 
+void CameraRays::dirs_from_px(const float* px, const float* py, int count, float* __restrict dir_x,
+                              float* __restrict dir_y, float* __restrict dir_z) const {
+  // px and py from the picture's middle, in halves of its width.
+  const Vec3f middle = forward_.cast<float>(), right = right_.cast<float>(), up = up_.cast<float>();
+  const auto half = static_cast<float>(0.5 * width_), middle_y = static_cast<float>(0.5 * height_);
+  for (int k = 0; k < count; ++k) {
+    const float x = (px[k] - half) / half, y = (middle_y - py[k]) / half;
+    const float dx = middle.x() + x * right.x() + y * up.x();
+    const float dy = middle.y() + x * right.y() + y * up.y();
+    const float dz = middle.z() + x * right.z() + y * up.z();
+    const float scale = 1 / std::sqrt(dx * dx + dy * dy + dz * dz);
+    dir_x[k] = scale * dx;
+    dir_y[k] = scale * dy;
+    dir_z[k] = scale * dz;
+  }
+}
+
 }  // namespace hdr

@@ -49,7 +49,7 @@ void put(DirectionPool& pool, std::size_t k, const Vec3f& dir, const Rgbf& light
 
 // Sobol points, `rows` for each variant, consecutive: variants together are as well spread as each is. Each variant's
 // points are put in the order of the unit square's strips, so that a row's points lie near each other.
-std::vector<Vec2> sliced_sobol(int rows, int variants, std::uint64_t stream) {
+std::vector<Vec2> sliced_sobol(int rows, int variants, std::uint64_t stream, RowOrder row_order) {
   std::vector<Vec2> points(static_cast<std::size_t>(rows) * static_cast<std::size_t>(variants));
   const double strips = std::max(1.0, std::floor(std::sqrt(static_cast<double>(rows))));
   const std::vector<int> order = shuffled(variants, stream);
@@ -58,10 +58,17 @@ std::vector<Vec2> sliced_sobol(int rows, int variants, std::uint64_t stream) {
     for (int variant = first; variant < last; ++variant) {
       for (int k = 0; k < rows; ++k)
         own[static_cast<std::size_t>(k)] = sobol_point(static_cast<std::uint32_t>(variant * rows + k), stream);
-      std::sort(own.begin(), own.end(), [strips](const Vec2& a, const Vec2& b) {
-        const double strip_a = std::floor(a.y() * strips), strip_b = std::floor(b.y() * strips);
-        return strip_a != strip_b ? strip_a < strip_b : a.x() < b.x();
-      });
+      if (row_order == RowOrder::kByChance) {
+        const std::vector<int> rank = shuffled(rows, hash64(stream ^ static_cast<std::uint64_t>(variant)));
+        std::vector<Vec2> mixed;
+        for (const int k : rank) mixed.push_back(own[static_cast<std::size_t>(k)]);
+        own = mixed;
+      } else {
+        std::sort(own.begin(), own.end(), [strips](const Vec2& a, const Vec2& b) {
+          const double strip_a = std::floor(a.y() * strips), strip_b = std::floor(b.y() * strips);
+          return strip_a != strip_b ? strip_a < strip_b : a.x() < b.x();
+        });
+      }
       for (int k = 0; k < rows; ++k)
         points[static_cast<std::size_t>(k * variants + order[static_cast<std::size_t>(variant)])] =
             own[static_cast<std::size_t>(k)];
@@ -79,6 +86,21 @@ DirectionPool::DirectionPool(int rows_wanted, bool of_world) : rows(rows_wanted)
     for (auto* array : {&red, &green, &blue, &pdf}) array->resize(size);
   else
     for (auto* array : {&u, &v}) array->resize(size);
+}
+
+void DirectionPool::find_beams() {
+  constexpr float kWidest = 0.02f;  // radians; from there on rays are faster as if they had nothing in common
+  const float narrow = std::cos(kWidest);
+  beams_.assign(x.size() / kVariants, 0);
+  for (std::size_t block = 0; block < beams_.size(); ++block) {
+    const std::size_t begin = block * kVariants, end = begin + kVariants;
+    Vec3f axis = Vec3f::Zero();
+    for (std::size_t k = begin; k < end; ++k) axis += Vec3f(x[k], y[k], z[k]);
+    axis.normalize();
+    float farthest = 1;
+    for (std::size_t k = begin; k < end; ++k) farthest = std::min(farthest, axis.dot(Vec3f(x[k], y[k], z[k])));
+    beams_[block] = farthest > narrow;
+  }
 }
 
 DirectionPool stratified_hemisphere(int rows, std::uint64_t stream) {
@@ -102,22 +124,23 @@ DirectionPool stratified_hemisphere(int rows, std::uint64_t stream) {
   return pool;
 }
 
-DirectionPool sobol_hemisphere(int rows, std::uint64_t stream) {
+DirectionPool sobol_hemisphere(int rows, std::uint64_t stream, RowOrder order) {
   DirectionPool pool(rows, false);
-  const std::vector<Vec2> points = sliced_sobol(rows, pool.sets * DirectionPool::kVariants, stream);
+  const std::vector<Vec2> points = sliced_sobol(rows, pool.sets * DirectionPool::kVariants, stream, order);
   for (std::size_t k = 0; k < points.size(); ++k) put_cosine_weighted(pool, k, points[k]);
   return pool;
 }
 
-DirectionPool sobol_environment(const Environment& light, int rows, std::uint64_t stream) {
+DirectionPool sobol_environment(const Environment& light, int rows, std::uint64_t stream, RowOrder order) {
   DirectionPool pool(rows, true);
-  const std::vector<Vec2> points = sliced_sobol(rows, pool.sets * DirectionPool::kVariants, stream);
+  const std::vector<Vec2> points = sliced_sobol(rows, pool.sets * DirectionPool::kVariants, stream, order);
   for_rows(static_cast<int>(points.size()), 1024, [&](int first, int last) {
     std::vector<Environment::Sample> samples(static_cast<std::size_t>(last - first));
     light.sample(std::span(points).subspan(static_cast<std::size_t>(first), samples.size()), samples);
     for (std::size_t k = 0; k < samples.size(); ++k)
       put(pool, static_cast<std::size_t>(first) + k, samples[k].dir, samples[k].radiance, samples[k].pdf);
   });
+  pool.find_beams();
   return pool;
 }
 
@@ -135,6 +158,7 @@ DirectionPool stratified_light(const LightStrata& strata, std::uint64_t stream) 
       }
     }
   });
+  pool.find_beams();
   return pool;
 }
 

@@ -40,7 +40,7 @@ class Gloss::Batch {
     visibility_.keep(at_,
                      {arrays_[0].data(), arrays_[1].data(), arrays_[2].data(), arrays_[3].data(), arrays_[4].data(),
                       arrays_[5].data()},
-                     std::span(wanted_).first(whole), traced_);
+                     Spread::kWide, std::span(wanted_).first(whole), traced_);
     for (std::size_t k = 0; k < count; ++k)
       if (wanted_[k]) out_.add(owners_[k], brought_[k]);
     owners_.clear();

@@ -48,4 +48,24 @@ void latlong_offsets(const float* dir_x, const float* dir_y, const float* dir_z,
   }
 }
 
+Rgbf smooth_pixel(View<const float> map, const Vec3f& dir) {
+  const int width = map.width(), height = map.height();
+  const float horizontal = std::sqrt(dir.x() * dir.x() + dir.z() * dir.z());
+  const float per_turn = static_cast<float>(width) / (2 * std::numbers::pi_v<float>);
+  const float per_half_turn = static_cast<float>(height) / std::numbers::pi_v<float>;
+  const float x = 0.5f * static_cast<float>(width) - per_turn * angle_of(dir.x(), dir.z()) - 0.5f;
+  const float y = per_half_turn * angle_of(horizontal, dir.y()) - 0.5f;
+  const float left = std::floor(x), top = std::floor(y);
+  const float right_share = x - left, lower_share = y - top;
+  // The seam is no edge, and over a pole the map goes on half a turn away.
+  const auto row_of = [&](int j) {
+    const bool over = j < 0 || j >= height;
+    const float* row = map.row(std::clamp(j, 0, height - 1));
+    const int first = static_cast<int>(left) + width + (over ? width / 2 : 0);
+    const Eigen::Map<const Rgbf> a(row + 3 * (first % width)), b(row + 3 * ((first + 1) % width));
+    return Rgbf(a * (1 - right_share) + b * right_share);
+  };
+  return row_of(static_cast<int>(top)) * (1 - lower_share) + row_of(static_cast<int>(top) + 1) * lower_share;
+}
+
 }  // namespace hdr

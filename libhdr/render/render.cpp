@@ -40,10 +40,11 @@ class Painting {
   // One pass over those pixels that are not `done`.
   void pass(int directions, const std::vector<std::uint8_t>& done) {
     // Camera rays are for the edges of things, and for nothing else where irradiance is exact.
-    const int rays = exact() ? 1 : std::clamp((directions + 3) / 4, std::min(directions, 4), 16);
+    const int rays =
+        exact() ? 1 : std::clamp((directions + 3) / 4, std::min(directions, 4), std::clamp(directions / 16, 8, 256));
     const Pass pass{passes_++, directions, rays, options_.seed, camera_rays_};
     camera_rays_ += rays;
-    painter_.begin(pass);
+    tally_.rays += painter_.begin(pass);
     std::atomic<int> tiles_done = 0;
     constexpr int kTilesAtOnce = 4;
     // The bytes of the picture do not depend on who paints which tile.
@@ -71,6 +72,8 @@ class Painting {
   // The next pass goes on to this share of the work.
   void next_goes_to(double share) { progress_to_ = share; }
 
+  std::vector<Vec2f> record_points() const { return painter_.record_points(); }
+  int most_directions() const { return painter_.most_directions(); }
   bool exact() const { return painter_.exact(); }
   bool saw_backs() const { return tally_.backs > 0; }
   const Film& film() const { return film_; }
@@ -95,7 +98,9 @@ class Painting {
 // Two passes tell the error; each on its own is the better stratified the more directions it has.
 void paint_evenly(Painting& painting, int samples) {
   const int most = painting.exact() ? 16 : samples > 1024 ? 4 : 2;
-  const int passes = painting.exact() ? std::clamp(samples / 8, std::min(samples, 4), most) : std::min(samples, most);
+  const int fewest = (samples - 1) / painting.most_directions() + 1;
+  const int passes = painting.exact() ? std::clamp(samples / 8, std::min(samples, 4), most)
+                                      : std::max(fewest, std::min(samples, most));
   for (int k = 0; k < passes; ++k) {
     painting.next_goes_to((k + 1.0) / passes);
     painting.pass(samples / passes + (k < samples % passes ? 1 : 0), {});
@@ -195,7 +200,7 @@ void paint(Painting& painting, const Scene& scene, const RenderOptions& options)
              !has_shadow_catcher(scene)) {
     paint_where_needed(painting, options.samples);
   } else {
-    paint_evenly(painting, options.samples);
+    paint_evenly(painting, options.depth_maps > 0 ? options.depth_maps : options.samples);
   }
 }
 
@@ -203,8 +208,20 @@ void finish(const Painting& painting, const Scene& scene, Rendering& result) {
   develop(painting.film(), result);
   if (has_shadow_catcher(scene)) develop_ground(painting.film(), result);
   result.rays += painting.rays();
+  result.cache_points = painting.record_points();
   result.samples_per_pixel = painting.samples_per_pixel();
   result.estimated_error = error_of(painting.film());
+}
+
+void check_depth_maps(const RenderOptions& options) {
+  if (options.depth_maps == 0) return;
+  const RenderMethod method = options.method;
+  if (options.depth_maps < 0) throw Error("a picture cannot be made of less than 0 depth maps");
+  if (method != RenderMethod::kAo && method != RenderMethod::kShAo && method != RenderMethod::kMeanAo) {
+    throw Error(
+        fmt::format("{} looks at no depth maps; leave --depth-maps, or use ao, sh-ao or mean-ao", name_of(method)));
+  }
+  if (options.error > 0) throw Error("so many depth maps or an error to reach: leave --depth-maps or --error");
 }
 
 }  // namespace
@@ -222,6 +239,14 @@ Rendering render(const Scene& scene, const Environment& light, const RenderOptio
                             size.height, options.samples));
   }
   if (!(options.error >= 0)) throw Error("the error to reach must not be negative; 0 is for a fixed number of samples");
+  if (options.bounces < 0) throw Error("light cannot bounce less than 0 times");
+  if (options.bounces > 0 && !reflects_light(options.method)) {
+    throw Error(
+        fmt::format("{} does not trace what surfaces receive from each other; leave --bounces, or use auto, mc, "
+                    "pixels, importance, structured, mis or cache",
+                    name_of(options.method)));
+  }
+  check_depth_maps(options);
   Rendering result;
   const bool few_rays = options.method == RenderMethod::kSh;
   const Tracer tracer(scene, few_rays ? Tracer::Effort::kFewRays : Tracer::Effort::kManyRays);
@@ -243,7 +268,7 @@ Rendering render(const Scene& scene, const Environment& light, const RenderOptio
     return result;
   }
   finish(painting, scene, result);
-  if (setting.convex && !painting.exact() && !painting.saw_backs())
+  if (setting.convex && !painting.exact() && !painting.saw_backs() && options.depth_maps == 0)
     result.skipped = "shadow rays: the scene is convex, nothing can occlude; error 0";
   if (options.method == RenderMethod::kAuto && choice.method == RenderMethod::kSh) result.skipped = choice.skipped;
   return result;

@@ -15,12 +15,14 @@ namespace hdr {
 /// kMc: cosine-stratified directions, eq. 9 of the lecture with its 1/(N M) and visibility. kImportance: directions
 /// from the probe. kStructured: one direction from each stratum of the probe's light [Agarwal03]. kPixels: every pixel
 /// of the probe a directional light, by subsets that cover it evenly. kMis: from the probe and from the surface,
-/// weighted by the balance heuristic [Veach95]. kAo: not light but openness, the share of the hemisphere that sees the
-/// sky, on every material. kSh: irradiance from nine coefficients, no shadows, on diffuse materials. kPrt: precomputed
-/// transfer, shadows included, of harmonics to degree 4, interpolated between vertices, on diffuse materials. Other
-/// materials are lit as by kMis, but under kMc from their own lobes and under kImportance from the probe alone. kAuto:
-/// kMis. Light reaches a surface straight from the probe; only mirrors show other objects.
-enum class RenderMethod { kAuto, kMc, kPixels, kImportance, kStructured, kMis, kAo, kSh, kShAo, kMeanAo, kPrt };
+/// weighted by the balance heuristic [Veach95]. kCache: what occluders take from the soft part of the probe, computed
+/// at few points and interpolated [Ward88]; its compact lights as by kImportance. Other materials as by kMis. kAo: not
+/// light but openness, the share of the hemisphere that sees the sky, on every material. kSh: irradiance from nine
+/// coefficients, no shadows, on diffuse materials. kPrt: precomputed transfer, shadows included, of harmonics to degree
+/// 4, interpolated between vertices, on diffuse materials. Other materials are lit as by kMis, but under kMc from their
+/// own lobes and under kImportance from the probe alone. kAuto: kMis. Light reaches a surface straight from the probe;
+/// only mirrors show other objects.
+enum class RenderMethod { kAuto, kMc, kPixels, kImportance, kStructured, kMis, kCache, kAo, kSh, kShAo, kMeanAo, kPrt };
 std::optional<RenderMethod> render_method_from_name(const std::string& name);
 const char* name_of(RenderMethod method);
 
@@ -40,7 +42,17 @@ struct RenderOptions {
   /// Above 0: paint until the estimated relative standard error of each pixel is this small, spending nothing on pixels
   /// that are there; `samples` is then the most that a pixel may get.
   double error = 0;
+  /// How often light goes from surface to surface before it reaches the one that is seen: diffuse interreflection, of
+  /// methods that trace what surfaces receive (reflects_light()). What is met on the way reflects diffusely, with its
+  /// colour.
+  int bounces = 0;
+  /// Above 0: kAo, kShAo and kMeanAo see the sky where none of so many depth maps, from all around, shows something
+  /// nearer.
+  int depth_maps = 0;
 };
+
+/// Methods that RenderOptions::bounces is for.
+bool reflects_light(RenderMethod method);
 
 struct Rendering {
   RadianceMap picture;  ///< rgb with the probe as backdrop where alpha is 0; alpha = coverage
@@ -59,6 +71,7 @@ struct Rendering {
   /// pixel's independent passes. Shadows so deep that no sample met light do not count. One sample a pixel has no
   /// spread: 1, nothing is known.
   double estimated_error = 0;
+  std::vector<Vec2f> cache_points;  ///< of kCache: where in the picture its records are
   std::string skipped;  ///< what was not needed, why, and the bound on the error; empty: nothing was skipped
 };
 

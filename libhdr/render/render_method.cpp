@@ -18,6 +18,7 @@ constexpr NamedMethod kMethods[] = {
     {"importance", RenderMethod::kImportance},
     {"structured", RenderMethod::kStructured},
     {"mis", RenderMethod::kMis},
+    {"cache", RenderMethod::kCache},
     {"ao", RenderMethod::kAo},
     {"sh", RenderMethod::kSh},
     {"sh-ao", RenderMethod::kShAo},
@@ -40,6 +41,13 @@ const char* name_of(RenderMethod method) {
   return known->name;
 }
 
+bool reflects_light(RenderMethod method) {
+  constexpr RenderMethod kThese[] = {RenderMethod::kAuto,       RenderMethod::kMc,         RenderMethod::kPixels,
+                                     RenderMethod::kImportance, RenderMethod::kStructured, RenderMethod::kMis,
+                                     RenderMethod::kCache};
+  return std::find(std::begin(kThese), std::end(kThese), method) != std::end(kThese);
+}
+
 std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& setting) {
   switch (method) {
     case RenderMethod::kMc:
@@ -52,6 +60,8 @@ std::unique_ptr<Integrator> make_integrator(RenderMethod method, const Setting& 
       return make_structured(setting);
     case RenderMethod::kMis:
       return make_mis(setting, 0.5);
+    case RenderMethod::kCache:
+      return make_cache(setting);
     case RenderMethod::kAo:
       return make_ao(setting);
     case RenderMethod::kSh:

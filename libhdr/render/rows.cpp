@@ -4,25 +4,26 @@
 
 namespace hdr {
 
-Rays::Rays(int count) : places(count) {
-  for (auto* array : {&x, &y, &z, &weight}) array->resize(static_cast<std::size_t>(count));
+Rays::Rays(int count) : places(count), x(nullptr), y(nullptr), z(nullptr) {
+  for (auto* array : {&turned_x_, &turned_y_, &turned_z_, &weight}) array->resize(static_cast<std::size_t>(count));
   wanted.resize(static_cast<std::size_t>(count));
 }
 
-// Loops over plain arrays, without a branch: the compiler makes vectors of them.
+// Loops over plain arrays, without a branch, that are told not to overlap: the compiler makes vectors of them.
 void Rays::turn(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray) {
   const auto first = static_cast<std::size_t>(camera_ray * places);
   const auto turned = [&](const std::vector<float>& tangent, const std::vector<float>& bitangent,
                           const std::vector<float>& normal, std::vector<float>& out) {
     const float *t = tangent.data() + first, *b = bitangent.data() + first, *n = normal.data() + first;
     const float *px = pool.x.data() + begin, *py = pool.y.data() + begin, *pz = pool.z.data() + begin;
-    float* to = out.data();
+    float* __restrict to = out.data();
     for (int k = 0; k < places; ++k) to[k] = px[k] * t[k] + py[k] * b[k] + pz[k] * n[k];
+    return out.data();
   };
-  turned(at.tangent_x, at.bitangent_x, at.normal_x, x);
-  turned(at.tangent_y, at.bitangent_y, at.normal_y, y);
-  turned(at.tangent_z, at.bitangent_z, at.normal_z, z);
-  for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] = at.diffuse[first + k];
+  x = turned(at.tangent_x, at.bitangent_x, at.normal_x, turned_x_);
+  y = turned(at.tangent_y, at.bitangent_y, at.normal_y, turned_y_);
+  z = turned(at.tangent_z, at.bitangent_z, at.normal_z, turned_z_);
+  std::copy_n(at.diffuse.begin() + static_cast<std::ptrdiff_t>(first), places, wanted.begin());
 }
 
 void Rays::face(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray) {
@@ -30,29 +31,28 @@ void Rays::face(const DirectionPool& pool, std::size_t begin, const Surfaces& at
   const float *nx = at.normal_x.data() + first, *ny = at.normal_y.data() + first, *nz = at.normal_z.data() + first;
   const float *px = pool.x.data() + begin, *py = pool.y.data() + begin, *pz = pool.z.data() + begin;
   const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin;
-  float *wx = x.data(), *wy = y.data(), *wz = z.data(), *cosine = weight.data();
-  std::int32_t* lanes = wanted.data();
+  x = px, y = py, z = pz;
+  float* __restrict cosine = weight.data();
+  std::int32_t* __restrict lanes = wanted.data();
   for (int k = 0; k < places; ++k) {
-    wx[k] = px[k];
-    wy[k] = py[k];
-    wz[k] = pz[k];
-    const float c = nx[k] * px[k] + ny[k] * py[k] + nz[k] * pz[k];
-    cosine[k] = std::max(c, 0.0f);
-    lanes[k] = cosine[k] * (red[k] + green[k] + blue[k]) > 0 ? -1 : 0;
+    const float c = std::max(nx[k] * px[k] + ny[k] * py[k] + nz[k] * pz[k], 0.0f);
+    cosine[k] = c;
+    lanes[k] = c * (red[k] + green[k] + blue[k]) > 0 ? -1 : 0;
   }
 }
 
-void Rays::keep_visible(const Visibility& visibility, const Surfaces& at, int camera_ray, std::int64_t& traced) {
+void Rays::keep_visible(const Visibility& visibility, const Surfaces& at, int camera_ray, Spread spread,
+                        std::int64_t& traced) {
   const auto first = static_cast<std::size_t>(camera_ray * places);
-  visibility.keep(at, {at.x.data() + first, at.y.data() + first, at.z.data() + first, x.data(), y.data(), z.data()},
-                  wanted, traced);
+  visibility.keep(at, {at.x.data() + first, at.y.data() + first, at.z.data() + first, x, y, z}, spread, wanted, traced);
 }
 
 void Rays::add(const DirectionPool& pool, std::size_t begin, int camera_ray, Light& out) const {
   const auto first = static_cast<std::size_t>(camera_ray * places);
   const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin;
-  float *to_red = out.rgb[0].data() + first, *to_green = out.rgb[1].data() + first,
-        *to_blue = out.rgb[2].data() + first;
+  float* __restrict to_red = out.rgb[0].data() + first;
+  float* __restrict to_green = out.rgb[1].data() + first;
+  float* __restrict to_blue = out.rgb[2].data() + first;
   const float* by = weight.data();
   const std::int32_t* lanes = wanted.data();
   for (int k = 0; k < places; ++k) {

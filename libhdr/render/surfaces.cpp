@@ -46,4 +46,12 @@ void Surfaces::set(int place, const Hit& hit, const Vec3f& viewer, bool plain) {
   store(b, k, bitangent_x, bitangent_y, bitangent_z);
 }
 
+Rgbf diffuse_albedo(const Scene& scene, const Hit& hit) {
+  const auto of = [](const Material& material) {
+    return material.kind == MaterialKind::kPhong ? Rgbf(material.color + material.diffuse) : material.color;
+  };
+  if (!hit.material->color_texture) return of(*hit.material);
+  return of(material_at(scene.meshes[hit.mesh], hit.triangle, hit.weights));
+}
+
 }  // namespace hdr

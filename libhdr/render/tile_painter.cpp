@@ -4,6 +4,7 @@
 
 #include "libhdr/core/sphere.h"
 #include "libhdr/render/internal/film_filter.h"
+#include "libhdr/render/internal/latlong_lookup.h"
 #include "libhdr/render/internal/points.h"
 
 namespace hdr {
@@ -22,12 +23,6 @@ bool any_glossy(const Scene& scene) {
   });
 }
 
-// The diffuse albedo that a ray met.
-Rgbf albedo_at(const Scene& scene, const Hit& hit) {
-  if (!hit.material->color_texture) return hit.material->color;
-  return material_at(scene.meshes[hit.mesh], hit.triangle, hit.weights).color;
-}
-
 double share_of_probe(RenderMethod method) {
   return method == RenderMethod::kMc ? 0 : method == RenderMethod::kImportance ? 1 : 0.5;
 }
@@ -37,8 +32,9 @@ double share_of_probe(RenderMethod method) {
 struct TilePainter::Workspace {
   std::vector<Vec2> pixels;  ///< corners, in an order in which packets are square
   std::vector<std::size_t> indices;
+  std::vector<std::uint64_t> streams;  ///< of random numbers
   Surfaces surfaces;
-  std::vector<float> eye_x, eye_y, eye_z, dir_x, dir_y, dir_z;
+  std::vector<float> eye_x, eye_y, eye_z, px, py, dir_x, dir_y, dir_z;
   std::vector<std::optional<Hit>> hits;
   std::vector<Rgbf> carried;   ///< of each place: what mirrors on the way leave of its light
   std::vector<Rgbf> backdrop;  ///< of each place: the probe, seen beside the scene
@@ -55,11 +51,17 @@ TilePainter::TilePainter(const Setting& setting, RenderMethod method)
       camera_(setting.scene.camera, size_),
       integrator_(make_integrator(method, setting)),
       gloss_(setting, share_of_probe(method)),
-      has_gloss_(any_glossy(setting.scene) && !integrator_->openness()) {}
+      has_gloss_(any_glossy(setting.scene) && !integrator_->openness()) {
+  // A cache keeps it.
+  if (setting.options.bounces > 0 && reflects_light(method) && method != RenderMethod::kCache)
+    interreflection_ = std::make_unique<Interreflection>(setting);
+}
 
-void TilePainter::begin(const Pass& pass) {
+std::int64_t TilePainter::begin(const Pass& pass) {
   integrator_->begin(pass);
   if (has_gloss_) gloss_.begin(pass);
+  if (interreflection_) interreflection_->begin(pass);
+  return integrator_->shared_rays();
 }
 
 // Four blocks of 4 x 4, each a packet.
@@ -101,20 +103,21 @@ void TilePainter::follow(const Vec3f& towards, int place, std::optional<Hit>& hi
   if (hit) {
     work.surfaces.set(place, *hit, -dir, integrator_->openness());
   } else {
-    work.backdrop[k] = carried * setting_.light.smooth_radiance(dir);
+    work.backdrop[k] = carried * smooth_pixel(setting_.light.latlong(), dir);
   }
 }
 
 void TilePainter::trace(const Pass& pass, int camera_ray, Workspace& work, std::int64_t& rays) const {
   const std::size_t count = work.pixels.size();
-  const auto number = static_cast<std::uint32_t>(pass.first_camera_ray + camera_ray);
+  const SobolDigits digits(static_cast<std::uint32_t>(pass.first_camera_ray + camera_ray));
   for (std::size_t k = 0; k < count; ++k) {
-    const Vec2 jitter = sobol_point(number, address(pass.seed, work.indices[k], 0, 0));
-    const Vec3f dir = camera_.dir_from_px(work.pixels[k] + filtered_place(setting_.options.filter, jitter));
-    work.dir_x[k] = dir.x();
-    work.dir_y[k] = dir.y();
-    work.dir_z[k] = dir.z();
+    const Vec2 jitter = scrambled(digits, work.streams[k]);
+    const Vec2 at = work.pixels[k] + filtered_place(setting_.options.filter, jitter);
+    work.px[k] = static_cast<float>(at.x());
+    work.py[k] = static_cast<float>(at.y());
   }
+  camera_.dirs_from_px(work.px.data(), work.py.data(), static_cast<int>(count), work.dir_x.data(), work.dir_y.data(),
+                       work.dir_z.data());
   rays += static_cast<std::int64_t>(count);
   setting_.tracer.intersect({work.eye_x.data(), work.eye_y.data(), work.eye_z.data(), work.dir_x.data(),
                              work.dir_y.data(), work.dir_z.data()},
@@ -132,12 +135,13 @@ void TilePainter::collect(const Pass& pass, Workspace& work, Film& film) const {
     PixelEstimate estimate;
     for (int ray = 0; ray < pass.camera_rays; ++ray) {
       const std::size_t k = static_cast<std::size_t>(ray * work.surfaces.places) + pixel;
-      const auto of = [k](const Light& light) { return Rgbf(light.rgb[0][k], light.rgb[1][k], light.rgb[2][k]); };
-      Rgbf radiance = of(work.radiance);
+      const int place = static_cast<int>(k);
+      Rgbf radiance = work.radiance.of(place);
       if (integrator_->openness()) {
-        radiance = of(work.irradiance);
+        radiance = work.irradiance.of(place);
       } else if (work.surfaces.diffuse[k]) {
-        radiance += of(work.irradiance) * albedo_at(setting_.scene, *work.surfaces.hits[k]) / static_cast<float>(kPi);
+        radiance += work.irradiance.of(place) * diffuse_albedo(setting_.scene, *work.surfaces.hits[k]) /
+                    static_cast<float>(kPi);
       }
       const Rgb seen = (work.carried[k] * radiance + work.backdrop[k]).cast<double>();
       estimate.radiance += seen;
@@ -163,6 +167,8 @@ void TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8
   find_pixels(tile, done, work);
   const auto pixels = static_cast<int>(work.pixels.size());
   if (pixels == 0) return;
+  work.streams.clear();
+  for (const std::size_t index : work.indices) work.streams.push_back(address(pass.seed, index, 0, 0));
   const int places = (pixels + Tracer::kPacket - 1) / Tracer::kPacket * Tracer::kPacket;
   const auto all = static_cast<std::size_t>(places * pass.camera_rays);
   work.surfaces.resize(places, pass.camera_rays);
@@ -171,7 +177,7 @@ void TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8
   work.eye_x.assign(room, camera_.eye().x());
   work.eye_y.assign(room, camera_.eye().y());
   work.eye_z.assign(room, camera_.eye().z());
-  for (auto* array : {&work.dir_x, &work.dir_y, &work.dir_z}) array->assign(room, 0.0f);
+  for (auto* array : {&work.px, &work.py, &work.dir_x, &work.dir_y, &work.dir_z}) array->assign(room, 0.0f);
   work.hits.resize(room);
   work.carried.assign(all, Rgbf::Zero());
   work.backdrop.assign(all, Rgbf::Zero());
@@ -182,6 +188,7 @@ void TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8
   work.radiance.reset(places * pass.camera_rays);
   for (int ray = 0; ray < pass.camera_rays; ++ray) trace(pass, ray, work, tally.rays);
   integrator_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
+  if (interreflection_) interreflection_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
   if (has_gloss_) gloss_.radiance(work.surfaces, pass, work.radiance, tally.rays);
   collect(pass, work, film);
   tally.directions += std::int64_t{pixels} * pass.directions;

@@ -28,6 +28,9 @@ struct RayArrays {
   const float *dir_x, *dir_y, *dir_z;
 };
 
+/// How far apart the directions of rays are that are traced together: a beam's all point one way, within a degree.
+enum class Spread { kBeam, kWide };
+
 class Tracer {
  public:
   /// How long the hierarchy may take to build: a few rays do not repay a good one.
@@ -43,11 +46,14 @@ class Tracer {
   static constexpr int kPacket = 16;
 
   /// The first hits of rays that start together, as many as `hits`; the arrays hold whole packets.
-  void intersect(const RayArrays& rays, std::span<std::optional<Hit>> hits) const;
+  void intersect(const RayArrays& rays, std::span<std::optional<Hit>> hits, Spread spread = Spread::kBeam) const;
+
+  /// How far rays with directions of length 1 go; infinity where they meet nothing.
+  void distances(const RayArrays& rays, std::span<float> far, Spread spread) const;
 
   /// `wanted` is -1 where a ray is to be traced and 0 elsewhere; it stays -1 where nothing is in the way. Whole
   /// packets: wanted.size() is a multiple of kPacket. Returns the number of rays traced.
-  int visible(const RayArrays& rays, std::span<std::int32_t> wanted) const;
+  int visible(const RayArrays& rays, std::span<std::int32_t> wanted, Spread spread = Spread::kWide) const;
 
   /// The whole scene lies behind the plane of each of its triangles: no ray that leaves a front meets anything.
   bool convex() const;

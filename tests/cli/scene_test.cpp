@@ -142,6 +142,23 @@ TEST_F(Scenes, LayersOfAnExr) {
                  {"a.png", "--layers"});
 }
 
+TEST_F(Scenes, LightGoesFromSurfaceToSurface) {
+  const std::string roof = file("roof.obj", kRoof);
+  for (const std::string method : {"auto", "cache"}) {
+    const Json answer = answer_of(render_of(roof, {"--method", method, "--bounces", "1"}));
+    EXPECT_GT(answer["rays"].get<double>(), 0);
+    EXPECT_GT(cover_of(picture()).share, 0.05) << method;
+  }
+  expect_refusal(render_of(roof, {"--method", "sh", "--bounces", "1"}), {"sh", "--bounces"});
+}
+
+TEST_F(Scenes, OpennessByDepthMaps) {
+  const std::string roof = file("roof.obj", kRoof);
+  const Json answer = answer_of(render_of(roof, {"--method", "ao", "--depth-maps", "32"}));
+  EXPECT_EQ(answer["samples_per_pixel"], 32);
+  expect_refusal(render_of(roof, {"--method", "mis", "--depth-maps", "32"}), {"mis", "--depth-maps"});
+}
+
 TEST_F(Scenes, TheColourChartStandsOnGroundThatOnlyShowsItsShadows) {
   answer_of(render_of("macbeth", {"--samples", "64"}));
   const RadianceMap map = picture();

@@ -21,6 +21,7 @@ struct Options {
   std::string method = "auto", size = "640x480", filter = "box";
   std::optional<int> samples;
   double error = 0;
+  int bounces = 0, depth_maps = 0;
   std::uint64_t seed = 1;
   ReportFlag report;
 };
@@ -37,6 +38,7 @@ Image<float> add_layers(Run& run, const RenderOutput& output, const Scene& scene
   settings.method = RenderMethod::kAo;
   settings.transfer.clear();
   settings.progress = nullptr;
+  settings.bounces = 0;
   settings.backdrop = false;
   if (settings.error > 0) settings.samples = 256, settings.error = 0;  // the error asked for is the picture's
   return run.stage("ao", [&] { return std::move(render(scene, light, settings).picture.rgb); });
@@ -50,9 +52,9 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
   options->output.declare(app);
   options->scene.declare(app);
   app.add_option("--method", options->method,
-                 "auto (and says why), mc, pixels, importance, structured, mis, ao, sh, sh-ao, mean-ao or prt")
+                 "auto (and says why), mc, pixels, importance, structured, mis, cache, ao, sh, sh-ao, mean-ao or prt")
       ->check(CLI::IsMember(
-          {"auto", "mc", "pixels", "importance", "structured", "mis", "ao", "sh", "sh-ao", "mean-ao", "prt"}))
+          {"auto", "mc", "pixels", "importance", "structured", "mis", "cache", "ao", "sh", "sh-ao", "mean-ao", "prt"}))
       ->capture_default_str();
   app.add_option(
          "--samples", options->samples,
@@ -63,6 +65,14 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
                  "render until the estimated relative error of each pixel is this small, say .02; nothing is spent on "
                  "pixels that are there")
       ->check(CLI::Range(1e-4, 1.0));
+  app.add_option("--bounces", options->bounces,
+                 "how often light goes from surface to surface before it is seen: diffuse interreflection, of all "
+                 "methods but ao, sh, sh-ao, mean-ao and prt")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
+  app.add_option("--depth-maps", options->depth_maps,
+                 "of ao, sh-ao and mean-ao: see the sky in so many depth maps from all around, instead of by rays")
+      ->check(CLI::Range(1, 1 << 16));
   app.add_option("--size", options->size, "of the picture")->capture_default_str();
   app.add_option("--filter", options->filter, "of the film: box is the pixel itself, blackman-harris three pixels wide")
       ->check(CLI::IsMember({"box", "blackman-harris"}))
@@ -75,6 +85,8 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
     RenderOptions settings{method, size_from_text(options->size, "--size"), options->samples.value_or(64),
                            options->seed};
     settings.error = options->error;
+    settings.bounces = options->bounces;
+    settings.depth_maps = options->depth_maps;
     if (options->error > 0 && !options->samples) settings.samples = 16384;
     settings.filter = options->filter == "box" ? FilmFilter::kBox : FilmFilter::kBlackmanHarris;
     settings.backdrop = !options->output.transparent;

@@ -22,7 +22,7 @@ class Ao : public Integrator {
     for (int row = 0; row < pool_.rows; ++row) {
       const int camera_ray = pass.camera_ray_of(row);
       towards.turn(pool_, pool_.begin(row, at.tile), at, camera_ray);
-      towards.keep_visible(visibility_, at, camera_ray, rays);
+      towards.keep_visible(visibility_, at, camera_ray, Spread::kWide, rays);
       float* to = open.data() + camera_ray * at.places;
       for (std::size_t k = 0; k < towards.wanted.size(); ++k) to[k] += towards.wanted[k] != 0 ? share : 0.0f;
     }
@@ -39,6 +39,7 @@ class Ao : public Integrator {
 }  // namespace
 
 std::unique_ptr<Integrator> make_ao(const Setting& setting) {
+  if (setting.options.depth_maps > 0) return make_ao_of_depth_maps(setting);
   return std::make_unique<Ao>(setting);
 }
 

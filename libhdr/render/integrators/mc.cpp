@@ -25,8 +25,8 @@ class Mc : public Integrator {
     for (int row = 0; row < pool_.rows; ++row) {
       const int camera_ray = pass.camera_ray_of(row);
       towards.turn(pool_, pool_.begin(row, at.tile), at, camera_ray);
-      towards.keep_visible(visibility_, at, camera_ray, rays);
-      latlong_offsets(towards.x.data(), towards.y.data(), towards.z.data(), at.places, map_, pixels.data());
+      towards.keep_visible(visibility_, at, camera_ray, Spread::kWide, rays);
+      latlong_offsets(towards.x, towards.y, towards.z, at.places, map_, pixels.data());
       const auto first = static_cast<std::size_t>(camera_ray * at.places);
       for (std::size_t k = 0; k < pixels.size(); ++k) {
         if (!towards.wanted[k]) continue;

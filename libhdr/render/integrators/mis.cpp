@@ -21,8 +21,9 @@ class Mis : public Integrator {
     const auto stream = [&](std::uint64_t use) {
       return address(pass.seed, static_cast<std::uint64_t>(pass.index), 0, use);
     };
-    from_probe_ = sobol_environment(light_, shares.of_probe, stream(2));
-    from_surface_ = sobol_hemisphere(shares.of_surface, stream(3));
+    const RowOrder order = pass.rows_by_chance ? RowOrder::kByChance : RowOrder::kParts;
+    from_probe_ = sobol_environment(light_, shares.of_probe, stream(2), order);
+    from_surface_ = sobol_hemisphere(shares.of_surface, stream(3), order);
   }
 
   void irradiance(const Surfaces& at, const Pass& pass, Light& out, std::int64_t& rays) const override {
@@ -35,13 +36,12 @@ class Mis : public Integrator {
       const int camera_ray = pass.camera_ray_of(row);
       const std::size_t begin = from_probe_.begin(row, at.tile);
       towards.face(from_probe_, begin, at, camera_ray);
-      towards.keep_visible(visibility_, at, camera_ray, rays);
+      towards.keep_visible(visibility_, at, camera_ray, from_probe_.spread(row, at.tile), rays);
       const float* pdf = from_probe_.pdf.data() + begin;
-      float* weight = towards.weight.data();
-      for (int k = 0; k < at.places; ++k) {
-        const float density = probe_density * pdf[k] + surface_density * weight[k];
-        weight[k] = weight[k] > 0 ? weight[k] / density : 0.0f;
-      }
+      float* __restrict weight = towards.weight.data();
+      // What is drawn has a density; a weight without one is of a place that nothing is added to.
+      for (int k = 0; k < at.places; ++k)
+        weight[k] /= std::max(probe_density * pdf[k] + surface_density * weight[k], 1e-30f);
       towards.add(from_probe_, begin, camera_ray, out);
     }
     const View<const float> map = light_.latlong();
@@ -51,8 +51,8 @@ class Mis : public Integrator {
       const int camera_ray = pass.camera_ray_of(from_probe_.rows + row);
       const std::size_t begin = from_surface_.begin(row, at.tile);
       towards.turn(from_surface_, begin, at, camera_ray);
-      towards.keep_visible(visibility_, at, camera_ray, rays);
-      latlong_offsets(towards.x.data(), towards.y.data(), towards.z.data(), at.places, map, pixels.data());
+      towards.keep_visible(visibility_, at, camera_ray, Spread::kWide, rays);
+      latlong_offsets(towards.x, towards.y, towards.z, at.places, map, pixels.data());
       const auto first = static_cast<std::size_t>(camera_ray * at.places);
       for (std::size_t k = 0; k < pixels.size(); ++k) {
         if (!towards.wanted[k]) continue;

@@ -16,6 +16,8 @@ class OccludedLight : public Integrator {
 
   void begin(const Pass& pass) override { openness_->begin(pass); }
 
+  int most_directions() const override { return openness_->most_directions(); }
+
   void irradiance(const Surfaces& at, const Pass& pass, Light& out, std::int64_t& rays) const override {
     openness_->irradiance(at, pass, out, rays);
     static thread_local Light light;

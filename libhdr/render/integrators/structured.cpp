@@ -28,7 +28,7 @@ class Structured : public Integrator {
       const int camera_ray = pass.camera_ray_of(row);
       const std::size_t begin = pool_.begin(row, at.tile);
       towards.face(pool_, begin, at, camera_ray);
-      towards.keep_visible(visibility_, at, camera_ray, rays);
+      towards.keep_visible(visibility_, at, camera_ray, pool_.spread(row, at.tile), rays);
       for (float& weight : towards.weight) weight *= static_cast<float>(pass.camera_rays);
       towards.add(pool_, begin, camera_ray, out);
     }

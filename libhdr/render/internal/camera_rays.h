@@ -13,6 +13,8 @@ class CameraRays {
 
   const Vec3f& eye() const { return eye_; }
   /// Unit direction through a point of the picture (continuous pixels, y down).
+  /// Of many places, in single precision.
+  void dirs_from_px(const float* px, const float* py, int count, float* dir_x, float* dir_y, float* dir_z) const;
   Vec3f dir_from_px(const Vec2& px) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "libhdr/core/image.h"
+#include "libhdr/core/vec.h"
 
 namespace hdr {
 
@@ -11,5 +12,8 @@ namespace hdr {
 /// not overlap.
 void latlong_offsets(const float* dir_x, const float* dir_y, const float* dir_z, int count, View<const float> map,
                      std::int32_t* offsets);
+
+/// Between pixel centres of a map with three channels, for what is looked at, as Environment::smooth_radiance().
+Rgbf smooth_pixel(View<const float> map, const Vec3f& dir);
 
 }  // namespace hdr

@@ -33,20 +33,29 @@ inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
   return reversed_bits(x);
 }
 
-/// Point `index` of Sobol's (0,2)-sequence, Owen-scrambled: for any power of two of points, each elementary interval of
-/// that area holds one. Below the 32 scrambled digits the points go on at random, to 53.
-inline Vec2 sobol_point(std::uint32_t index, std::uint64_t seed) {
-  std::uint32_t y = 0;
-  for (std::uint32_t rest = index, column = 0x80000000u; rest != 0; rest >>= 1, column ^= column >> 1) {
-    if (rest & 1) y ^= column;
+/// The digits of a point of Sobol's (0,2)-sequence, the first of them highest.
+struct SobolDigits {
+  explicit SobolDigits(std::uint32_t which) : index(which), x(reversed_bits(which)) {
+    for (std::uint32_t rest = index, column = 0x80000000u; rest != 0; rest >>= 1, column ^= column >> 1)
+      if (rest & 1) y ^= column;
   }
-  const std::uint32_t x = owen_scramble(reversed_bits(index), static_cast<std::uint32_t>(seed));
-  y = owen_scramble(y, static_cast<std::uint32_t>(seed >> 32));
-  const std::uint64_t tail = hash64(seed + index);
+  std::uint32_t index, x, y = 0;
+};
+
+/// Owen-scrambled: for any power of two of points, each elementary interval of that area holds one. Below the 32
+/// scrambled digits the points go on at random, to 53.
+inline Vec2 scrambled(const SobolDigits& digits, std::uint64_t seed) {
+  const std::uint32_t x = owen_scramble(digits.x, static_cast<std::uint32_t>(seed));
+  const std::uint32_t y = owen_scramble(digits.y, static_cast<std::uint32_t>(seed >> 32));
+  const std::uint64_t tail = hash64(seed + digits.index);
   const auto joined = [](std::uint32_t high, std::uint64_t low) {
     return static_cast<double>((static_cast<std::uint64_t>(high) << 21) | (low & 0x1fffff)) * 0x1p-53;
   };
   return {joined(x, tail), joined(y, tail >> 32)};
+}
+
+inline Vec2 sobol_point(std::uint32_t index, std::uint64_t seed) {
+  return scrambled(SobolDigits(index), seed);
 }
 
 /// The lecture's eq. 9: `count` points as M x N jittered strata, point k in stratum (k / N, k mod N); M is the largest

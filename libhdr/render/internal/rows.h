@@ -16,14 +16,18 @@ struct Rays {
   void turn(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray);
   /// Directions of a row of the world; wanted where they are above the surface and bring light. `weight` is the cosine.
   void face(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray);
-  void keep_visible(const Visibility& visibility, const Surfaces& at, int camera_ray, std::int64_t& traced);
+  void keep_visible(const Visibility& visibility, const Surfaces& at, int camera_ray, Spread spread,
+                    std::int64_t& traced);
   /// Adds weight times the row's light wherever it is still wanted.
   void add(const DirectionPool& pool, std::size_t begin, int camera_ray, Light& out) const;
 
   int places;
-  std::vector<float> x, y, z;
+  const float *x, *y, *z;  ///< of the world
   std::vector<float> weight;
   std::vector<std::int32_t> wanted;  ///< -1 or 0
+
+ private:
+  std::vector<float> turned_x_, turned_y_, turned_z_;
 };
 
 }  // namespace hdr

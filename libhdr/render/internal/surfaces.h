@@ -31,12 +31,19 @@ struct Surfaces {
   void set(int place, const Hit& hit, const Vec3f& viewer, bool plain);
 };
 
+/// Of a surface that is taken for a diffuse one, whatever its material.
+Rgbf diffuse_albedo(const Scene& scene, const Hit& hit);
+
 /// Red, green and blue of every place.
 struct Light {
   std::array<std::vector<float>, 3> rgb;
 
   void reset(int places) {
     for (auto& channel : rgb) channel.assign(static_cast<std::size_t>(places), 0.0f);
+  }
+  Rgbf of(int place) const {
+    const auto k = static_cast<std::size_t>(place);
+    return {rgb[0][k], rgb[1][k], rgb[2][k]};
   }
   void add(int place, const Rgbf& value) {
     for (std::size_t c = 0; c < 3; ++c) rgb[c][static_cast<std::size_t>(place)] += value[static_cast<int>(c)];

@@ -8,6 +8,7 @@
 #include "libhdr/render/internal/film.h"
 #include "libhdr/render/internal/gloss.h"
 #include "libhdr/render/internal/integrator.h"
+#include "libhdr/render/internal/interreflection.h"
 
 namespace hdr {
 
@@ -32,10 +33,12 @@ class TilePainter {
   TilePainter(const Setting& setting, RenderMethod method);
 
   int tiles() const { return across_ * down_; }
-  /// Once a pass, before its tiles.
-  void begin(const Pass& pass);
+  /// Once a pass, before its tiles. Returns the rays it took.
+  std::int64_t begin(const Pass& pass);
   /// Adds an estimate of the pass to those pixels of the tile that are not yet `done` (empty: all). From any thread.
   void paint(int tile, const Pass& pass, const std::vector<std::uint8_t>& done, Film& film, Tally& tally) const;
+  std::vector<Vec2f> record_points() const { return integrator_->record_points(); }
+  int most_directions() const { return integrator_->most_directions(); }
   bool exact() const { return integrator_->exact() && !has_gloss_; }
 
  private:
@@ -50,6 +53,7 @@ class TilePainter {
   int across_, down_;
   CameraRays camera_;
   std::unique_ptr<Integrator> integrator_;
+  std::unique_ptr<Interreflection> interreflection_;
   Gloss gloss_;
   bool has_gloss_;
 };

@@ -42,12 +42,15 @@ TEST(Packets, TellWhatSingleRaysTell) {
   std::vector<std::int32_t> visible = wanted;
   int expected_traced = 0, differing = 0, blocked = 0;
   const int traced = tracer.visible(rays, visible);
+  std::vector<std::int32_t> visible_to_a_beam = wanted;
+  EXPECT_EQ(tracer.visible(rays, visible_to_a_beam, Spread::kBeam), traced);
   std::vector<std::optional<Hit>> hits(kRays - 5);
   tracer.intersect(rays, hits);
   for (std::size_t k = 0; k < kRays; ++k) {
     expected_traced += wanted[k] != 0;
     const bool occluded = tracer.occluded(origins[k], dirs[k]);
     if (wanted[k] != 0) differing += (visible[k] != 0) == occluded;
+    differing += visible[k] != visible_to_a_beam[k];
     blocked += wanted[k] != 0 && occluded;
     if (wanted[k] == 0) {
       EXPECT_EQ(visible[k], 0) << "a ray that nobody asked for";
