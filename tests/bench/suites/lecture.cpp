@@ -22,14 +22,16 @@ struct Step {
   const char* title;
   double seconds_2003;  ///< as the lecture prints them; 0: it prints none
   bool has_error;       ///< shows light, and not openness alone
+  bool depth_maps = false;
 };
 /// In the lecture's order; its pictures have 400x300 pixels.
 constexpr Step kSteps[] = {{"mc", 1, "Monte Carlo, 1 sample", 0.167, true},
                            {"mc", 100, "Monte Carlo, 100 samples", 4.579, true},
                            {"mc", 2500, "Monte Carlo, 2500 samples", 95.322, true},
-                           {"cache", 2500, "irradiance cache, 2500 rays", 15.654, true},
+                           {"cache", 16, "irradiance cache, 16 rays to its lamps", 15.654, true},
                            {"sh", 1, "spherical harmonics", 0.572, true},
                            {"ao", 256, "ambient occlusion, 256 rays", 21.198, false},
+                           {"ao", 256, "ambient occlusion, 256 depth maps", 0, false, true},
                            {"sh-ao", 256, "harmonics x occlusion", 0, true},
                            {"mean-ao", 256, "mean colour x occlusion", 0, true},
                            {"importance", 5, "importance sampling, 5 rays", 0, true},
@@ -43,6 +45,14 @@ std::vector<std::string> words_of(const Step& step, const Row& row) {
   lines.push_back(step.seconds_2003 > 0 ? fmt::format("2003: {:g} s", step.seconds_2003)
                                         : std::string("2003: no time"));
   return lines;
+}
+
+/// Black dots where records are.
+Image<std::uint8_t> with_points(Image<std::uint8_t> codes, const std::vector<Vec2f>& points) {
+  for (const Vec2f& p : points) {
+    for (int c = 0; c < 3; ++c) codes(static_cast<int>(p.x()), static_cast<int>(p.y()), c) = 0;
+  }
+  return codes;
 }
 
 void series(Bench& bench) {
@@ -66,17 +76,28 @@ void series(Bench& bench) {
     row.error_name = "relative rms, against a converged render";
     row.error_unit = "%";
     row.megapixels = megapixels(size);
-    row.setting =
-        fmt::format("hdr render --probe probe.exr --method {} --samples {} -o render.exr", step.method, step.samples);
+    row.setting = fmt::format("hdr render --probe probe.exr --method {} --{} {} -o render.exr", step.method,
+                              step.depth_maps ? "depth-maps" : "samples", step.samples);
+    if (step.depth_maps) row.subject += " by depth maps", row.knob = "maps";
     if (step.seconds_2003 > 0) row.note = fmt::format("2003: {:g} s", step.seconds_2003);
     RadianceMap picture;
+    std::vector<Vec2f> points;
+    const auto draw = [&] {
+      Rendering one = rendered(scene, light, step.method, size, step.samples, 1, step.depth_maps ? step.samples : 0);
+      picture = std::move(one.picture);
+      points = std::move(one.cache_points);
+    };
     const std::size_t index =
-        bench.race({{row, [&] { picture = rendered(scene, light, step.method, size, step.samples, 1).picture; },
+        bench.race({{row, draw,
                      step.has_error ? std::function<double()>([&] { return percent_off(picture, reference); })
                                     : std::function<double()>()}});
     // Openness is a share of 1, and shown as it is.
     tiles.push_back({tonemap(picture.rgb, step.has_error ? stops : 0, {}, ToneOperator::kFilmic),
                      words_of(step, bench.row(index))});
+    if (!points.empty()) {
+      tiles.push_back({with_points(tonemap(picture.rgb, stops, {}, ToneOperator::kFilmic), points),
+                       {fmt::format("its {} points", points.size())}});
+    }
   }
   tiles.push_back({tonemap(reference.rgb, stops, {}, ToneOperator::kFilmic),
                    {"converged", fmt::format("{} samples, MIS", bench.pick(512, 4096))}});

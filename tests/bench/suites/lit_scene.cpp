@@ -29,7 +29,7 @@ double percent_off(const RadianceMap& picture, const RadianceMap& reference) {
 }
 
 Rendering rendered(const Scene& scene, const Environment& light, const std::string& method, Size size, int samples,
-                   std::uint64_t seed) {
+                   std::uint64_t seed, int depth_maps) {
   const auto known = render_method_from_name(method);
   if (!known) throw Error("this build has no `hdr render --method " + method + "`");
   RenderOptions options;
@@ -37,6 +37,7 @@ Rendering rendered(const Scene& scene, const Environment& light, const std::stri
   options.size = size;
   options.samples = samples;
   options.seed = seed;
+  options.depth_maps = depth_maps;
   return render(scene, light, options);
 }
 

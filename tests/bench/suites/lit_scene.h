@@ -18,6 +18,6 @@ double percent_off(const RadianceMap& picture, const RadianceMap& reference);
 
 /// By the method of that name. Error in a build without it.
 Rendering rendered(const Scene& scene, const Environment& light, const std::string& method, Size size, int samples,
-                   std::uint64_t seed);
+                   std::uint64_t seed, int depth_maps = 0);
 
 }  // namespace hdr::bench
