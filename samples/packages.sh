@@ -8,7 +8,7 @@ HDR_BUILD_PACKAGES=(build-essential cmake ninja-build pkg-config ccache
   nlohmann-json3-dev)
 
 # What its tests need besides.
-HDR_TEST_PACKAGES=(libgtest-dev openimageio-tools ca-certificates)
+HDR_TEST_PACKAGES=(libgtest-dev librapidcheck-dev openimageio-tools ca-certificates)
 
 # A browser in which its reports are looked at (tests/browser). Without it those tests are skipped, and say so.
 HDR_BROWSER_PACKAGES=(chromium python3)
