@@ -205,6 +205,21 @@ void RecordMaker::reach(const RecordPlace& at, const Cells& cells, const Mat3& h
   record.radius = static_cast<float>(largest);
 }
 
+// A gradient by which what arrives would halve within the record's reach comes from borders that few cells saw, and
+// draws dark streaks [Krivanek05b]. All channels alike, so that they keep their colour.
+void RecordMaker::limit_gradient(const Cells& cells, IrradianceRecord& record) {
+  constexpr float kMostChange = 0.5f;
+  Rgbf arriving = Rgbf::Zero();
+  for (int k = 0; k < cells.count(); ++k) arriving += cells.arriving[static_cast<std::size_t>(k)];
+  arriving *= static_cast<float>(kPi) / static_cast<float>(cells.count());
+  float scale = 1;
+  for (int c = 0; c < 3; ++c) {
+    const float change = record.by_translation.row(c).norm() * record.radius;
+    if (change > kMostChange * arriving[c]) scale = std::min(scale, kMostChange * arriving[c] / change);
+  }
+  record.by_translation *= scale;
+}
+
 IrradianceRecord RecordMaker::record(const RecordPlace& at, int directions, std::uint64_t stream,
                                      std::int64_t& rays) const {
   Cells cells(at, directions);
@@ -214,6 +229,7 @@ IrradianceRecord RecordMaker::record(const RecordPlace& at, int directions, std:
   record.normal = at.normal;
   integrate(cells, record);
   reach(at, cells, differentiate(cells, record), record);
+  limit_gradient(cells, record);
   return record;
 }
 
@@ -224,6 +240,7 @@ void RecordMaker::say_again(IrradianceRecord& record, int directions, std::uint6
   differentiate(cells, record);
   const float nearest = *std::min_element(cells.far.begin(), cells.far.end());
   record.by_translation *= std::min(record.trusted, nearest / record.radius);
+  limit_gradient(cells, record);
 }
 
 }  // namespace hdr

@@ -53,6 +53,7 @@ class RecordMaker {
   void trace(const RecordPlace& at, std::uint64_t stream, Cells& cells, std::int64_t& rays) const;
   static void integrate(const Cells& cells, IrradianceRecord& record);
   static Mat3 differentiate(const Cells& cells, IrradianceRecord& record);
+  static void limit_gradient(const Cells& cells, IrradianceRecord& record);
   static void reach(const RecordPlace& at, const Cells& cells, const Mat3& hessian, IrradianceRecord& record);
 
   const Tracer& tracer_;
