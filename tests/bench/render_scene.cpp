@@ -31,8 +31,8 @@ Scene on_plane(Mesh mesh) {
 
 }  // namespace
 
-Scene folded_ball_on_plane() {
-  Mesh mesh = sphere_mesh({0, 0, 0}, 1, {}, 252);
+Scene folded_ball_on_plane(int segments) {
+  Mesh mesh = sphere_mesh({0, 0, 0}, 1, {}, segments);
   for (Vec3f& p : mesh.positions) {
     const float folds =
         std::sin(9 * p.x() + 2 * std::sin(4 * p.y())) * std::sin(8 * p.z() + p.x()) * std::sin(7 * p.y() + 2 * p.z());

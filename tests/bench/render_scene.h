@@ -9,8 +9,8 @@
 
 namespace hdr::bench {
 
-/// A folded ball of about 63k triangles, diffuse .5, on a plane of diffuse .5.
-Scene folded_ball_on_plane();
+/// A folded ball of segments^2 triangles, 63k as a rule, diffuse .5, on a plane of diffuse .5.
+Scene folded_ball_on_plane(int segments = 252);
 /// Any mesh on the same plane, scaled to the ball's size, cut finer to at least `triangles`.
 Scene mesh_on_plane(Mesh mesh, std::size_t triangles);
 /// Blue sky with haze, darker ground, a sun of its true size that gives 80 % of the irradiance from above.

@@ -9,7 +9,7 @@ namespace hdr::bench {
 
 Scene lit_scene(const Bench& bench) {
   const Path& file = bench.options().scene;
-  if (file.empty()) return folded_ball_on_plane();
+  if (file.empty()) return folded_ball_on_plane(bench.pick(90, 252));
   constexpr std::size_t kTriangles = 60000;
   return mesh_on_plane(joined(read_scene(file, {Shading::kFlat}).scene), kTriangles);
 }
