@@ -35,6 +35,7 @@ WarpedRows::WarpedRows(const LogPicture& b, const Mat3& b_from_a)
       whole_rows_(affine_ && motion_.topLeftCorner<2, 2>().isIdentity(0)) {}
 
 void WarpedRows::resample_shifted(int y, int first, int last, float* ln, float* variance) const {
+  if (first >= last) return;  // a picture of one column has no inside
   const double tx = motion_(0, 2), ty = motion_(1, 2);
   std::fill(variance + first, variance + last, kUnusable);
   if (!(std::abs(tx) < b_.ln.width() && std::abs(ty) < b_.ln.height())) return;

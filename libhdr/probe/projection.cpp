@@ -46,6 +46,7 @@ std::optional<Vec2> AngularMap::px_from_dir(const Vec3& dir) const {
 }
 
 std::optional<Vec3> dir_from_px(const Projection& projection, const Vec2& px) {
+  if (!px.allFinite()) return std::nullopt;  // every comparison with NaN says no, and some mean "outside" by that
   return std::visit([&](const auto& p) { return p.dir_from_px(px); }, projection);
 }
 

@@ -1,5 +1,5 @@
 // Brackets that nobody would take: black, clipped, of one code, falling where they should rise, exposures 2^40 apart,
-// single pixels and columns. Calibrating and merging end with an Error in words or with finite numbers.
+// single pixels and columns. Calibrating, aligning and merging end with an Error in words or with finite numbers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -158,6 +158,22 @@ RC_GTEST_PROP(BracketStress, FragmentsAreFinite, ()) {
     for (const CurveFragment& fragment : fragments) {
       RC_ASSERT(std::isfinite(fragment.ln_radiance) && fragment.codes.size() == fragment.ln_exposure.size());
     }
+  }
+}
+
+RC_GTEST_PROP(BracketStress, AligningEndsInMotionsOrInWords, ()) {
+  const BracketCase plan = *any_bracket(40);
+  const Bracket bracket = made(plan);
+  const auto method = static_cast<AlignMethod>(*rc::gen::inRange(0, 5));
+  try {
+    const Alignment alignment = align(bracket, srgb_response(plan.bits), method);
+    RC_ASSERT(alignment.frames.size() == bracket.shots.size());
+    for (const FrameAlignment& frame : alignment.frames) {
+      RC_ASSERT(frame.ref_from_photo.allFinite() && std::isfinite(frame.residual_px));
+      RC_ASSERT(std::abs(frame.ref_from_photo.determinant()) > 1e-3);
+    }
+  } catch (const Error& e) {
+    RC_ASSERT(std::strlen(e.what()) > 10u);
   }
 }
 

@@ -1,4 +1,5 @@
-// Projections at any direction, balls that are none, photographs of any world.
+// Projections at any direction and any pixel, resampling of hostile maps, balls that are none, photographs of any
+// world.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "libhdr/probe/find_image_circle.h"
 #include "libhdr/probe/photograph.h"
 #include "libhdr/probe/projection.h"
+#include "libhdr/probe/unwrap.h"
 #include "tests/stress/hostile.h"
 
 namespace hdr::stress {
@@ -86,6 +88,44 @@ RC_GTEST_PROP(ProbeStress, PhotographsOfAnyWorldAreLight, ()) {
       photograph_ball(map, {17, 13}, MirrorBall{{8.5, 6.5, *rc::gen::element(0.5, 5.0)}, distance});
   RC_ASSERT(fault_of(ball) == "");
   RC_ASSERT(fault_of(photograph_view(map, {17, 13}, *rc::gen::element(0.01, 60.0, 179.0))) == "");
+}
+
+Size size_of(const Projection& projection, int size) {
+  if (const auto* cube = std::get_if<Cube>(&projection)) return cube->size();
+  const bool wide = std::holds_alternative<LatLong>(projection) || std::holds_alternative<DualParaboloid>(projection);
+  return {wide ? 2 * size : size, size};
+}
+
+// Pixels that are no pixels are not shown; nothing that is shown has a direction without length.
+RC_GTEST_PROP(ProbeStress, PixelsAreShownOrNot, ()) {
+  const int size = *rc::gen::element(1, 16, 333);
+  const Projection projection = projection_of(*rc::gen::inRange(0, kProjections), size);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+  const auto coordinate =
+      rc::gen::oneOf(rc::gen::element(kNaN, kInfinity, -kInfinity, 1e100, -1e100, 0.0, -0.0),
+                     rc::gen::map(rc::gen::inRange(-10, 1010), [=](int k) { return 1e-3 * k * size; }));
+  const Vec2 px(*coordinate, *coordinate);
+  const std::optional<Vec3> d = dir_from_px(projection, px);
+  if (d) RC_ASSERT(d->allFinite() && std::abs(d->norm() - 1) < 1e-9);
+}
+
+// One value stays that value, and nothing is above what it was made from by more than a sinc can ring: the sizes of its
+// eight weights add up to 1.8, each way.
+RC_GTEST_PROP(ProbeStress, ResamplingIsAMeanOfWhatIsThere, ()) {
+  const MapPlan plan = *any_latlong(32);
+  const Image<float> map = made(plan);
+  const int size = *rc::gen::element(1, 2, 9, 24);
+  const Projection to = projection_of(*rc::gen::inRange(0, kProjections), size);
+  const Image<float> out = resample(map, LatLong{map.size()}, to, size_of(to, size));
+  RC_ASSERT(fault_of(out) == "");
+  RC_ASSERT(largest_of(out) <= 1.8 * 1.8 * largest_of(map));
+  if (plan.light == Light::kConstant) {
+    for (int y = 0; y < out.height(); ++y) {
+      for (int x = 0; x < out.width(); ++x) {
+        RC_ASSERT(out(x, y) == 0 || std::abs(out(x, y) / map(0, 0) - 1) < 1e-5f);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -184,5 +184,22 @@ TEST(Degenerate, SixteenPixelsASide) {
   }
 }
 
+// A line of pixels has no inside to compare.
+TEST(Degenerate, ColumnsRowsAndSinglePixels) {
+  const Scene waves = [](double x, double y) { return 1 + 0.5 * std::sin(0.7 * x + 0.4 * y); };
+  for (const Size size : {Size{1, 1}, {1, 40}, {40, 1}, {2, 33}, {3, 3}}) {
+    for (const AlignMethod method :
+         {AlignMethod::kAuto, AlignMethod::kMtb, AlignMethod::kEcc, AlignMethod::kFeatures}) {
+      SCOPED_TRACE(std::to_string(size.width) + "x" + std::to_string(size.height));
+      const Alignment found = align(bracket_of(waves, size, Vec2::Zero()), srgb_response(8), method);
+      for (const FrameAlignment& frame : found.frames) {
+        EXPECT_TRUE(frame.ref_from_photo.allFinite());
+        if (method != AlignMethod::kAuto) continue;
+        EXPECT_LE(Vec2(frame.ref_from_photo.topRightCorner<2, 1>()).norm(), 0.5) << "shots of a scene at rest";
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace hdr::test
