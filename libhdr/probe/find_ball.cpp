@@ -184,7 +184,8 @@ std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions&
   FoundBall best{{}, coarse.support, scale * coarse.residual_px};
   for (auto level = levels.rbegin(); level < levels.rend(); ++level, scale *= 0.5) {
     const OutlineFit fit = Placing(*level, options)(scaled(outline, 1 / scale));
-    if (fit.evidence < kBlurred * coarse.evidence) break;
+    const bool lost = !(fit.outline.minor > 1) || !std::isfinite(fit.outline.major);  // a fit to noise may run away
+    if (lost || fit.evidence < kBlurred * coarse.evidence) break;
     outline = scaled(fit.outline, scale);
     best.support = fit.support;
     best.residual_px = scale * fit.residual_px;

@@ -88,7 +88,9 @@ void PixelFilter::write(int region, const Vec2& px, const KernelShape& shape, do
   constexpr double kLeastShown = 0.25;
   Sums sums;
   const PixelBox box = seen(px, shape);
-  bool sharp = !is_harsh(box) && !(source_.ends_at_rim() && !source_.is_plain(region, box));
+  // Around a circle of fewer pixels a kernel with lobes would have to be squeezed until it meets lobes alone.
+  const bool narrow = source_.is_latlong() && source_.pixels().width() < 2 * InterpolatingKernel::kReach;
+  bool sharp = !narrow && !is_harsh(box) && !(source_.ends_at_rim() && !source_.is_plain(region, box));
   if (sharp) {
     sums = scale <= kHarmlessScale ? add<InterpolatingKernel>(region, px, {}) : add<SharpKernel>(region, px, shape);
     sharp = !sums.missing;  // at a rim what is left of a kernel with negative lobes is no mean

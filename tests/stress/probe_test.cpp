@@ -118,7 +118,7 @@ RC_GTEST_PROP(ProbeStress, ResamplingIsAMeanOfWhatIsThere, ()) {
   const Projection to = projection_of(*rc::gen::inRange(0, kProjections), size);
   const Image<float> out = resample(map, LatLong{map.size()}, to, size_of(to, size));
   RC_ASSERT(fault_of(out) == "");
-  RC_ASSERT(largest_of(out) <= 1.8 * 1.8 * largest_of(map));
+  RC_ASSERT(largest_of(out) <= 1.8 * 1.8 * largest_of(map) + 1.2e-38);  // products of denormals have no digits
   if (plan.light == Light::kConstant) {
     for (int y = 0; y < out.height(); ++y) {
       for (int x = 0; x < out.width(); ++x) {
