@@ -70,6 +70,21 @@ RC_GTEST_PROP(ProbeStress, DirectionsComeBack, ()) {
   RC_ASSERT((*back - d).norm() < 2e-5);
 }
 
+// Fewer pixels around than a kernel with lobes is wide.
+TEST(ProbeStress, ALatLongOfTwoPixelsDoesNotRing) {
+  for (const float darker : {0.02f, 0.1f, 0.5f}) {
+    Image<float> map(2, 1, 3);
+    for (int c = 0; c < 3; ++c) {
+      map(0, 0, c) = 1;
+      map(1, 0, c) = darker;
+    }
+    for (const int height : {1, 3, 24}) {
+      const Size size{2 * height, height};
+      EXPECT_LE(largest_of(resample(map, LatLong{map.size()}, LatLong{size}, size)), 1 + 1e-6) << darker;
+    }
+  }
+}
+
 // Pictures without a ball, without a circle, without anything.
 RC_GTEST_PROP(ProbeStress, SearchesEndWithoutABall, ()) {
   const MapPlan plan = *any_map(64);
