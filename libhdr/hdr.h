@@ -85,6 +85,7 @@
 #include "libhdr/light/split_lights.h" // compact lights and the soft rest
 
 #include "libhdr/render/colour_chart.h"  // a grey ball, a colour chart and a chrome ball
+#include "libhdr/render/bounds.h"     // the box around a scene
 #include "libhdr/render/composite.h"  // objects into a photograph
 #include "libhdr/render/framing.h"  // where a camera must stand to see all of a scene
 #include "libhdr/render/layers.h"  // albedo and depth

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "libhdr/core/parallel.h"
+#include "libhdr/render/bounds.h"
 #include "libhdr/render/internal/allotment.h"
 #include "libhdr/render/internal/tile_painter.h"
 
@@ -18,13 +19,7 @@ namespace {
 constexpr float kEdgesAcross = 100;
 
 Scene with_fine_meshes(const Scene& scene) {
-  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const Vec3f& p : mesh.positions) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-  }
+  const auto [low, high] = bounds_of(scene);
   Scene fine = scene;
   for (Mesh& mesh : fine.meshes)
     mesh = tessellated(with_smooth_normals(std::move(mesh)), (high - low).maxCoeff() / kEdgesAcross);

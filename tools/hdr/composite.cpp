@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libhdr/core/sphere.h"
+#include "libhdr/render/bounds.h"
 #include "libhdr/render/plane_pose.h"
 #include "tools/hdr/backplate.h"
 #include "tools/hdr/pipeline.h"
@@ -99,13 +100,7 @@ Loaded load_objects(Run& run, const Options& options) {
 // Scaled and turned about the middle of their base, which then moves to --place.
 void put_in_place(Scene& scene, const Options& options) {
   if (options.place.empty() && options.turn == 0 && options.scale == 1) return;
-  Vec3f low = Vec3f::Constant(1e30f), high = -low;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const Vec3f& p : mesh.positions) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-  }
+  const auto [low, high] = bounds_of(scene);
   const Vec3f base(0.5f * (low.x() + high.x()), low.y(), 0.5f * (low.z() + high.z()));
   const Vec3f to = options.place.empty() ? base : Vec3f(vec3_from_text(options.place, "--place").cast<float>());
   const Eigen::Matrix3f turn = rotation_from_degrees({0, options.turn, 0}).cast<float>();

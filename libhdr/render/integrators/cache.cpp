@@ -5,12 +5,12 @@
 // they reach is found once; each pass lets them say anew what they see, so that its spread tells of their noise.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/light/sh.h"
 #include "libhdr/light/split_lights.h"
+#include "libhdr/render/bounds.h"
 #include "libhdr/render/internal/camera_rays.h"
 #include "libhdr/render/internal/integrator.h"
 #include "libhdr/render/internal/interreflection.h"
@@ -29,13 +29,7 @@ Image<float> unoccluded_irradiance(View<const float> soft) {
 }
 
 RecordOctree octree_around(const Scene& scene) {
-  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const Vec3f& p : mesh.positions) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-  }
+  const auto [low, high] = bounds_of(scene);
   if (!(low.array() <= high.array()).all()) return {Vec3f::Zero(), 1};
   return {(low + high) / 2, 0.51f * (high - low).maxCoeff() + 1e-6f};
 }

@@ -12,29 +12,10 @@
 #include "libhdr/render/internal/lambert_edge.h"
 #include "libhdr/render/internal/record_octree.h"
 #include "libhdr/render/render.h"
+#include "tests/unit/render/many_seeds.h"
 
-namespace hdr {
+namespace hdr::test {
 namespace {
-
-Image<float> probe_of(Size size, const std::function<double(const Vec3&)>& radiance) {
-  Image<float> map(size, 3);
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) {
-      const double value = radiance(dir_from_latlong((x + 0.5) / size.width, (y + 0.5) / size.height));
-      for (int c = 0; c < 3; ++c) map(x, y, c) = static_cast<float>(value * (1 + 0.1 * c));
-    }
-  }
-  return map;
-}
-
-double soft_light(const Vec3& d) {
-  return 1.2 + 0.6 * d.y() + 0.4 * d.x() * d.z() + 0.3 * d.z();
-}
-
-double sunny_light(const Vec3& d) {
-  const Vec3 sun = Vec3(0.5, 0.7, 0.6).normalized();
-  return (d.y() > 0 ? 1.0 : 0.3) + (d.dot(sun) > std::cos(4 * kDegree) ? 150.0 : 0.0);
-}
 
 Scene grey_spheres() {
   Scene scene = spheres_on_plane();
@@ -219,4 +200,4 @@ TEST(Render, CacheHasTheSameBytesForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace hdr
+}  // namespace hdr::test

@@ -31,17 +31,22 @@ inline Environment constant_probe(double radiance) {
 }
 
 // Polynomials of degree 2: nine coefficients hold all of it but for the pixels' steps.
-inline Environment soft_probe() {
-  return Environment(
-      probe_of({256, 128}, [](const Vec3& d) { return 1.2 + 0.6 * d.y() + 0.4 * d.x() * d.z() + 0.3 * d.z(); }));
+inline double soft_light(const Vec3& d) {
+  return 1.2 + 0.6 * d.y() + 0.4 * d.x() * d.z() + 0.3 * d.z();
 }
 
 // Sky, a darker ground and a small bright sun: what makes methods differ.
-inline Environment sunny_probe() {
+inline double sunny_light(const Vec3& d) {
   const Vec3 sun = Vec3(0.5, 0.7, 0.6).normalized();
-  return Environment(probe_of({128, 64}, [&](const Vec3& d) {
-    return (d.y() > 0 ? 1.0 : 0.3) + (d.dot(sun) > std::cos(4 * kDegree) ? 150.0 : 0.0);
-  }));
+  return (d.y() > 0 ? 1.0 : 0.3) + (d.dot(sun) > std::cos(4 * kDegree) ? 150.0 : 0.0);
+}
+
+inline Environment soft_probe() {
+  return Environment(probe_of({256, 128}, soft_light));
+}
+
+inline Environment sunny_probe() {
+  return Environment(probe_of({128, 64}, sunny_light));
 }
 
 // Mean and its standard error of each pixel's luminance over renders with different seeds.
