@@ -5,6 +5,7 @@
 // (core/internal), so nothing is copied to change library.
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -54,7 +55,7 @@ class View {
   std::ptrdiff_t stride_ = 0;
 };
 
-/// Owned pixels, zero when made.
+/// Owned pixels, zero when made. Throws std::bad_alloc for more than there is memory for.
 template <class T>
 class Image {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -107,8 +108,14 @@ class Image {
     void operator()(T* p) const { free_pixels(p, bytes); }
   };
 
+  /// The greatest number where 64 bits do not hold it: allocate_pixels refuses that as it does what no machine has.
   static std::size_t bytes_of(int height, std::ptrdiff_t stride) {
-    return static_cast<std::size_t>(stride) * static_cast<std::size_t>(height) * sizeof(T);
+    std::size_t samples = 0, bytes = 0;
+    if (__builtin_mul_overflow(static_cast<std::size_t>(stride), static_cast<std::size_t>(height), &samples) ||
+        __builtin_mul_overflow(samples, sizeof(T), &bytes)) {
+      return std::numeric_limits<std::size_t>::max();
+    }
+    return bytes;
   }
 
   static View<T> allocate(int width, int height, int channels) {

@@ -45,12 +45,13 @@ int threads() {
 void for_rows(int count, int grain, const std::function<void(int, int)>& body) {
   HDR_ASSERT(grain > 0);
   if (count <= 0) return;
-  const int blocks = (count + grain - 1) / grain;
+  const int blocks = (count - 1) / grain + 1;
   char started = 0, finished = 0;
   __tsan_release(&started);
   tbb::parallel_for(0, blocks, [&](int block) {
     __tsan_acquire(&started);
-    body(block * grain, std::min(count, (block + 1) * grain));
+    const int first = block * grain;
+    body(first, count - first > grain ? first + grain : count);
     __tsan_release(&finished);
   });
   __tsan_acquire(&finished);

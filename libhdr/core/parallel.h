@@ -20,7 +20,7 @@ template <class T, class Partial, class Join>
 T reduce_rows(int count, int grain, T total, const Partial& partial, const Join& join) {
   HDR_ASSERT(grain > 0);
   if (count <= 0) return total;
-  const int blocks = (count + grain - 1) / grain;
+  const int blocks = (count - 1) / grain + 1;
   std::vector<T> parts(static_cast<std::size_t>(blocks), total);
   for_rows(count, grain,
            [&](int first, int last) { parts[static_cast<std::size_t>(first / grain)] = partial(first, last); });

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "libhdr/core/color.h"
+#include "libhdr/core/image.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
@@ -90,6 +91,30 @@ RC_GTEST_PROP(CoreStress, RowsAreDoneOnceByAnyNumberOfThreads, ()) {
   };
   const double one = summed(1);
   RC_ASSERT(summed(*rc::gen::inRange(2, 65)) == one);
+}
+
+// Counts and grains near the largest int: their sum is not one.
+TEST(CoreStress, RowsUpToTheLastIntAreDoneOnce) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  for (const int grain : {kMost, kMost - 1, 1 << 30}) {
+    std::atomic<std::int64_t> rows = 0;
+    for_rows(kMost, grain, [&](int first, int last) {
+      EXPECT_LE(0, first);
+      EXPECT_LT(first, last);
+      rows += last - first;
+    });
+    EXPECT_EQ(rows, kMost) << "grain " << grain;
+    const auto count = [](int first, int last) { return std::int64_t{last} - first; };
+    EXPECT_EQ(reduce_rows(kMost, grain, std::int64_t{0}, count, [](auto& total, auto part) { total += part; }), kMost);
+  }
+}
+
+// A size whose bytes 64 bits do not hold must not come out as a small one.
+TEST(CoreStress, APictureOfMoreThan64BitsIsRefused) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_THROW(Image<double>(kMost, kMost, 1 << 20), std::bad_alloc);
+  EXPECT_THROW(Image<float>(1 << 22, 1 << 22, 1 << 18), std::bad_alloc) << "2^64 bytes: none, were they cut to 64 bits";
+  EXPECT_THROW(Image<float>(kMost, kMost, 4), std::bad_alloc);
 }
 
 RC_GTEST_PROP(CoreStress, WhatARowThrowsArrives, ()) {
