@@ -103,7 +103,7 @@ TEST(UltraHdr, TheBaseImageIsThePhotograph) {
   const std::string base = read_text(scratch / "base.jpg");
   // A gain map follows the picture's end; APP2 "MPF" says where.
   std::string both = base;
-  both.insert(2, std::string("\xff\xe2\0\x08MPF\0\0\0", 12).substr(0, 10));
+  both.insert(2, std::string("\xff\xe2\0\x08MPF\0\0\0", 10));
   both += read_text(scratch / "gain.jpg");
   write_text(scratch / "ultra.jpg", both);
   const Photo read = read_photo(scratch / "ultra.jpg"), plain = read_photo(scratch / "base.jpg");
