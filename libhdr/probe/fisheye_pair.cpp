@@ -11,6 +11,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/overlap_ring.h"
+#include "libhdr/probe/internal/same_pixels.h"
 #include "libhdr/probe/unwrap.h"
 
 namespace hdr {
@@ -65,6 +66,7 @@ void match_gains(View<const float> front, View<const float> back, FisheyePair& p
 FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, const Fisheye& front_guess,
                                const Fisheye& back_guess) {
   require_overlap(front_guess, back_guess);
+  if (same_pixels(front, back)) throw Error("the same photograph twice; give what the opposite lens saw");
   FisheyePair pair;
   pair.views[0].lens = front_guess;
   pair.views[1].lens = back_guess;

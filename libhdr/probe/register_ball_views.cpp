@@ -5,16 +5,20 @@
 #include <cmath>
 
 #include "libhdr/core/error.h"
+#include "libhdr/core/median.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/ball_views.h"
 #include "libhdr/probe/internal/ball_sphere.h"
 #include "libhdr/probe/internal/rotation_search.h"
+#include "libhdr/probe/internal/same_pixels.h"
 
 namespace hdr {
 namespace {
 
 constexpr double kLeastCorrelation = 0.35;  ///< of detail: other scenes stay below 0.2
 constexpr double kMostInverseDistance = 0.7;
+/// As far as far: 0 itself has no slope to its other side, and a fit that came there would stay.
+constexpr double kLeastInverseDistance = 1e-4;
 
 /// What is fitted of a view. A rotation is a small turn on top of a first one.
 struct Unknowns {
@@ -25,7 +29,8 @@ struct Unknowns {
   double outline[3] = {0, 0, 0};  ///< centre moved, radius grown, in radii
 
   MirrorBall ball(const MirrorBall& given) const {
-    return internal::changed(given, inverse_distance, {outline[0], outline[1], outline[2]});
+    const bool far = inverse_distance <= 1.01 * kLeastInverseDistance;
+    return internal::changed(given, far ? 0 : inverse_distance, {outline[0], outline[1], outline[2]});
   }
   Mat3 probe_from_view() const { return turned(first, turn); }
   static Mat3 turned(const Mat3& first, const double* turn) {
@@ -35,12 +40,12 @@ struct Unknowns {
   }
 };
 
-/// Views a and b in one direction of the probe.
+/// Views a and b in one direction of the probe, in deviations of what they differ by.
 struct Disagreement {
   const internal::LogView *a, *b;
   Mat3 first_a, first_b;
   Vec3 dir;
-  double root_weight;
+  double scale;  ///< root of the weight over the deviation
 
   bool operator()(const double* turn_a, const double* turn_b, const double* gain_a, const double* gain_b,
                   const double* distance_a, const double* distance_b, const double* outline_a, const double* outline_b,
@@ -49,7 +54,7 @@ struct Disagreement {
                           Vec3(outline_a[0], outline_a[1], outline_a[2]));
     const auto vb = b->at(Unknowns::turned(first_b, turn_b).transpose() * dir, std::max(0.0, *distance_b),
                           Vec3(outline_b[0], outline_b[1], outline_b[2]));
-    *residual = va && vb ? root_weight * (*va + *gain_a - *vb - *gain_b) : 0;
+    *residual = va && vb ? scale * (*va + *gain_a - *vb - *gain_b) : 0;
     return true;
   }
 };
@@ -98,39 +103,78 @@ void constrain(ceres::Problem& problem, const BallView& view, Unknowns& u) {
   if (view.distance_known) {
     problem.SetParameterBlockConstant(&u.inverse_distance);
   } else {
-    problem.SetParameterLowerBound(&u.inverse_distance, 0, 0);
+    problem.SetParameterLowerBound(&u.inverse_distance, 0, kLeastInverseDistance);
     problem.SetParameterUpperBound(&u.inverse_distance, 0, kMostInverseDistance);
     problem.AddResidualBlock(new NumericDiffCostFunction<FarAtFirst, FORWARD, 1, 1>(new FarAtFirst), nullptr,
                              &u.inverse_distance);
   }
 }
 
+/// What two views of one direction say, where both see it well enough.
+struct Pair {
+  std::size_t i, j;
+  Vec3 dir;
+  double weight;
+};
+
+std::vector<Pair> pairs_of(const std::vector<BallView>& views, const std::vector<Unknowns>& unknowns, int directions) {
+  constexpr double kLeastWeight = 0.02;
+  std::vector<Pair> pairs;
+  for (std::size_t j = 1; j < views.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      for (const Vec3& dir : internal::even_directions(directions)) {
+        const double weight = pair_weight(views[i], views[j], unknowns[i].probe_from_view().transpose() * dir,
+                                          unknowns[j].probe_from_view().transpose() * dir);
+        if (weight >= kLeastWeight) pairs.push_back({i, j, dir, weight});
+      }
+    }
+  }
+  return pairs;
+}
+
+/// The deviation of a pair's difference, by the median: what is known of outlines and distances is weighed against it.
+double deviation_of(const std::vector<Pair>& pairs, const std::vector<internal::LogView>& pictures,
+                    const std::vector<Unknowns>& unknowns) {
+  constexpr double kLeast = 0.005, kSigmaOfMedian = 1.4826;
+  std::vector<double> differences;
+  const auto look = [&](std::size_t k, const Vec3& dir) {
+    const Unknowns& u = unknowns[k];
+    return pictures[k].at(u.probe_from_view().transpose() * dir, u.inverse_distance,
+                          {u.outline[0], u.outline[1], u.outline[2]});
+  };
+  for (const Pair& pair : pairs) {
+    const auto a = look(pair.i, pair.dir), b = look(pair.j, pair.dir);
+    if (a && b) differences.push_back(std::abs(*a + unknowns[pair.i].log_gain - *b - unknowns[pair.j].log_gain));
+  }
+  return differences.empty() ? 1 : std::max(kLeast, kSigmaOfMedian * median_of(differences));
+}
+
 /// One round of the fit, on pictures in which the balls have this radius.
 void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns, double radius_px, int directions) {
-  constexpr double kLeastWeight = 0.02, kCauchy = 0.1;
+  constexpr double kCauchy = 2.385;  // 95 % as good as least squares where nothing is an outlier [Holland77]
   std::vector<internal::LogView> pictures;
   for (const BallView& view : views) pictures.push_back(internal::log_view(view, radius_px));
   for (Unknowns& u : unknowns) {
     u.first = u.probe_from_view();
     std::fill_n(u.turn, 3, 0.0);
   }
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    double& inverse = unknowns[k].inverse_distance;
+    if (!views[k].distance_known) inverse = std::clamp(inverse, kLeastInverseDistance, kMostInverseDistance);
+  }
   std::vector<BallView> seen;
   for (std::size_t k = 0; k < views.size(); ++k) seen.push_back(as_registered(views[k], unknowns[k]));
+  const std::vector<Pair> pairs = pairs_of(seen, unknowns, directions);
+  const double deviation = deviation_of(pairs, pictures, unknowns);
   ceres::Problem problem;
   ceres::LossFunction* loss = new ceres::CauchyLoss(kCauchy);
-  for (std::size_t j = 1; j < views.size(); ++j) {
-    for (std::size_t i = 0; i < j; ++i) {
-      for (const Vec3& dir : internal::even_directions(directions)) {
-        const double weight =
-            pair_weight(views[i], views[j], unknowns[i].first.transpose() * dir, unknowns[j].first.transpose() * dir);
-        if (weight < kLeastWeight) continue;
-        auto* cost = new ceres::NumericDiffCostFunction<Disagreement, ceres::FORWARD, 1, 3, 3, 1, 1, 1, 1, 3, 3>(
-            new Disagreement{&pictures[i], &pictures[j], unknowns[i].first, unknowns[j].first, dir, std::sqrt(weight)});
-        problem.AddResidualBlock(cost, loss, unknowns[i].turn, unknowns[j].turn, &unknowns[i].log_gain,
-                                 &unknowns[j].log_gain, &unknowns[i].inverse_distance, &unknowns[j].inverse_distance,
-                                 unknowns[i].outline, unknowns[j].outline);
-      }
-    }
+  for (const auto& [i, j, dir, weight] : pairs) {
+    auto* cost = new ceres::NumericDiffCostFunction<Disagreement, ceres::FORWARD, 1, 3, 3, 1, 1, 1, 1, 3, 3>(
+        new Disagreement{&pictures[i], &pictures[j], unknowns[i].first, unknowns[j].first, dir,
+                         std::sqrt(weight) / deviation});
+    problem.AddResidualBlock(cost, loss, unknowns[i].turn, unknowns[j].turn, &unknowns[i].log_gain,
+                             &unknowns[j].log_gain, &unknowns[i].inverse_distance, &unknowns[j].inverse_distance,
+                             unknowns[i].outline, unknowns[j].outline);
   }
   if (problem.NumResidualBlocks() == 0) return;
   for (std::size_t k = 0; k < views.size(); ++k) {
@@ -213,6 +257,11 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& vie
   for (std::size_t k = 0; k < views.size(); ++k) {
     unknowns[k].inverse_distance = 1 / views[k].ball.distance;
     if (k == 0) continue;
+    for (std::size_t i = 0; i < k; ++i) {
+      if (!internal::same_pixels(views[i].rgb, views[k].rgb)) continue;
+      throw Error(fmt::format("{}: the same photograph as {}; give views from different sides, best 90 degrees apart",
+                              names[k], names[i]));
+    }
     // Against whichever of the views before fits best.
     internal::RotationMatch best;
     std::size_t partner = 0;
@@ -229,7 +278,7 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& vie
   }
   refine(views, unknowns, 50, 1500);
   refine(views, unknowns, 120, 2500);
-  refine(views, unknowns, 280, 4000);
+  refine(views, unknowns, 280, 12000);
 
   std::vector<BallView> fitted;
   for (std::size_t k = 0; k < views.size(); ++k) fitted.push_back(as_registered(views[k], unknowns[k]));

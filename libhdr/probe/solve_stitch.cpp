@@ -3,13 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/photo_light.h"
 #include "libhdr/probe/internal/photo_links.h"
+#include "libhdr/probe/internal/same_pixels.h"
 #include "libhdr/probe/stitch.h"
 
 namespace hdr {
@@ -20,15 +20,6 @@ using namespace internal;
 constexpr int kLeastFeatures = 20;
 constexpr double kFovKnown = 0.05;  ///< of ln of the focal length: lenses keep what is written on them within 5 %
 constexpr double kFovFound = 0.3;   ///< of one that consensus found: no more than a rail where matches leave it open
-
-bool same_pixels(View<const float> a, View<const float> b) {
-  if (a.size() != b.size()) return false;
-  const std::size_t bytes = static_cast<std::size_t>(a.width() * a.channels()) * sizeof(float);
-  for (int y = 0; y < a.height(); ++y) {
-    if (std::memcmp(a.row(y), b.row(y), bytes) != 0) return false;
-  }
-  return true;
-}
 
 /// What is known beforehand of the focal length, in units of the longer side: the middle one of those given.
 std::optional<double> expected_focal(const std::vector<StitchPhoto>& photos) {

@@ -91,6 +91,7 @@ TEST_F(Unwrap, TwoOppositeFisheyesBecomeOneSphere) {
   const auto result = compare(read_map(scratch_ / "s.exr").map.rgb, read_map(world()).map.rgb, CompareScale::kNone);
   EXPECT_LE(result.median_abs_log2, 0.05);
 
+  expect_refusal({"unwrap", at("f.exr"), at("f.exr"), "-o", at("x.exr")}, {"f.exr", "the same photograph twice"});
   expect_refusal({"unwrap", at("f.exr"), at("f.exr"), "-o", at("x.exr"), "--from", "fisheye", "--fov", "150"},
                  {"f.exr", "gap", "--fov"});
   EXPECT_EQ(run_hdr({"unwrap", world(), world(), "-o", at("x.exr")}).exit_code, 2);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
@@ -61,6 +64,23 @@ std::vector<Picture> read_pictures(Run& run, const std::vector<std::string>& ima
   return pictures;
 }
 
+/// Whoever stands behind the camera stays where no view from elsewhere shows what he hides.
+void warn_of_cameras_in_one_place(Run& run, const std::vector<std::string>& images,
+                                  const std::vector<RegisteredView>& registered) {
+  constexpr double kApart = 25;  ///< degrees
+  double widest = 0;
+  for (const RegisteredView& a : registered) {
+    for (const RegisteredView& b : registered) {
+      const double cosine = (a.probe_from_view * Vec3::UnitZ()).dot(b.probe_from_view * Vec3::UnitZ());
+      widest = std::max(widest, std::acos(std::clamp(cosine, -1.0, 1.0)) / kDegree);
+    }
+  }
+  if (widest >= kApart) return;
+  run.warn(fmt::format("{}: all views are within {:.0f} degrees: the photographer stays in the sphere; take one from "
+                       "the side, best 90 degrees away",
+                       images.back(), widest));
+}
+
 void answer_views(Run& run, const std::vector<std::string>& images, const std::vector<RegisteredView>& registered,
                   const Mat3& probe_from_first) {
   Json views = Json::array();
@@ -79,6 +99,7 @@ void answer_views(Run& run, const std::vector<std::string>& images, const std::v
                         Eigen::AngleAxisd(view.probe_from_view).angle() / kDegree, view.gain, view.overlap_rms));
     views.push_back(std::move(row));
   }
+  warn_of_cameras_in_one_place(run, images, registered);
   run.answer["ball"] = ball_row(registered.front().ball);
   run.answer["views"] = std::move(views);
 }
