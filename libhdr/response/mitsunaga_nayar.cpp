@@ -1,7 +1,6 @@
 // [Mitsunaga99] Radiometric Self Calibration.
 #include <ceres/ceres.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +9,7 @@
 #include "libhdr/response/calibrate.h"
 #include "libhdr/response/internal/bracket_check.h"
 #include "libhdr/response/internal/monotone.h"
+#include "libhdr/response/internal/solve_definite.h"
 
 namespace hdr {
 namespace {
@@ -116,7 +116,8 @@ Eigen::MatrixXd covariance(const Polynomial& inverse, const Pairs& pairs, const 
     squares += trust * r * r;
     count += trust;
   }
-  return information.inverse() * (squares / std::max(1.0, count - order));
+  return solve_definite(information, Eigen::MatrixXd::Identity(order, order)) *
+         (squares / std::max(1.0, count - order));
 }
 
 Fit fit_polynomial(const Pairs& pairs, const Eigen::VectorXd& ln_exposure, int order) {
@@ -270,7 +271,7 @@ std::vector<double> deviation(const Fit& fit, const std::vector<double>& exposur
   std::vector<double> deviation;
   for (std::size_t k = 0; k < g.size(); ++k) {
     const Eigen::VectorXd gradient = d_ln(k) - middle;
-    deviation.push_back(std::hypot(std::sqrt(gradient.dot(fit.covariance * gradient)), other[k] - g[k]));
+    deviation.push_back(std::hypot(std::sqrt(std::max(0.0, gradient.dot(fit.covariance * gradient))), other[k] - g[k]));
   }
   return deviation;
 }

@@ -1,22 +1,12 @@
 #include "libhdr/response/internal/normal_equations.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
 #include "libhdr/response/internal/debevec_malik.h"
+#include "libhdr/response/internal/solve_definite.h"
 
 namespace hdr {
-namespace {
-
-/// By Cholesky's blocked factorisation, five times as fast as the pivoted one, which takes what is not quite definite.
-Eigen::MatrixXd solved(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
-  const Eigen::LLT<Eigen::MatrixXd> factors(matrix);
-  if (factors.info() == Eigen::Success) return factors.solve(right);
-  return matrix.selfadjointView<Eigen::Lower>().ldlt().solve(right);
-}
-
-}  // namespace
 
 NormalEquations::NormalEquations(const Knots& knots, const CodeWeights& weights, const Eigen::MatrixXd& codes,
                                  const Eigen::VectorXd& ln_exposure)
@@ -82,12 +72,12 @@ Eigen::VectorXd NormalEquations::solve(double smoothness, const Eigen::VectorXd&
     for (int p = 0; p < 3; ++p) right[k - 1 + p] += c[static_cast<std::size_t>(p)] * expected;
   }
   right[knots_.middle()] = 0;
-  return solved(with_smoothness(smoothness), right);
+  return solve_definite(with_smoothness(smoothness), right);
 }
 
 Eigen::VectorXd NormalEquations::deviation(double smoothness, double rms) const {
   const Eigen::MatrixXd inverse =
-      solved(with_smoothness(smoothness), Eigen::MatrixXd::Identity(knots_.count(), knots_.count()));
+      solve_definite(with_smoothness(smoothness), Eigen::MatrixXd::Identity(knots_.count(), knots_.count()));
   Eigen::VectorXd deviation = rms * inverse.diagonal().cwiseMax(0).cwiseSqrt();
   deviation[knots_.middle()] = 0;
   return deviation;

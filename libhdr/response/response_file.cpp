@@ -50,7 +50,7 @@ std::vector<double> g_from_exposures(std::vector<double> exposures, int bits, co
     const double row = code * rows_per_code;
     const auto below = std::min(static_cast<std::size_t>(row), exposures.size() - 2);
     const double t = row - static_cast<double>(below);
-    return t == 0 ? exposures[below] : (1 - t) * exposures[below] + t * exposures[below + 1];
+    return std::lerp(exposures[below], exposures[below + 1], t);  // which does not fall where rows are equal
   };
   std::vector<double> g;
   for (int level = 0; level < response_levels(bits); ++level) g.push_back(at(codes.code_from_level(level)));

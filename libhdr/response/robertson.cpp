@@ -190,7 +190,8 @@ class Alternation {
   std::vector<double> count_;
 };
 
-/// Codes that no pixel had are as doubtful as their nearest neighbour, and more by how far away it is in g.
+/// Codes that no pixel had are as doubtful as their nearest neighbour, and more by how far away it is in g. Infinite
+/// where no code's deviation is known.
 void fill_deviations(std::vector<double>& deviation, const std::vector<double>& g) {
   const std::vector<double> known = deviation;
   std::vector<double> nearest(known.size(), INFINITY);
@@ -254,6 +255,11 @@ Calibration calibrate_robertson(const Bracket& bracket, const std::vector<Mat3>&
     if (seen.codes[c].rows() == 0) continue;
     result.response.g[c] = estimates[c].g;
     result.deviation[c] = estimates[c].deviation;
+    if (!std::isfinite(result.deviation[c].front())) {
+      throw Error(bracket.shots.front().path.string() +
+                  ": no code was met twice in this bracket, so that any curve would explain it; take more pixels, or "
+                  "Debevec and Malik's method, which joins codes that are neighbours");
+    }
     result.converged = result.converged && estimates[c].converged;
     result.pixels += static_cast<int>(seen.codes[c].rows());
     squares += estimates[c].squares;

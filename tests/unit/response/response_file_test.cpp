@@ -156,6 +156,13 @@ TEST(AliceVisionResponse, ReadsItsRowsAsShareOfTheLargestCode) {
   }
 }
 
+// Between equal rows lies the same value, whatever the rounding of its two shares.
+TEST(AliceVisionResponse, APlateauDoesNotFall) {
+  const std::string text = alicevision_file(1000, [](int row) { return (row / 7 * 7 + 1) / 1000.0; });
+  const std::vector<double> g = response_from_text(text, "response.csv", 16).g[0];
+  for (std::size_t k = 1; k < g.size(); ++k) ASSERT_GE(g[k], g[k - 1]) << "level " << k;
+}
+
 TEST(AliceVisionResponse, WritesItsColumns) {
   std::istringstream lines(text_from_response(film_response(8), "response.csv"));
   std::string line;

@@ -94,6 +94,20 @@ TEST(CalibrateRobertson, HopelessBracketsAreErrorsThatNameAFileAndARemedy) {
   test::expect_errors_for_hopeless_brackets([](const Bracket& bracket) { return calibrate_robertson(bracket); });
 }
 
+// 16-bit codes of a few pixels: the objective is nothing for whatever curve.
+TEST(CalibrateRobertson, CodesThatAreMetOnceSayNothing) {
+  Simulation simulation;
+  simulation.evs = {0, 1};
+  simulation.width = 7;
+  simulation.height = 6;
+  try {
+    const Calibration fit = calibrate_robertson(simulate(*response_from_name("linear", 16), simulation));
+    FAIL() << "a curve with a deviation of " << fit.deviation[0].front();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("met twice"), std::string::npos) << error.what();
+  }
+}
+
 TEST(CalibrateRobertson, IsTheSameOnAnyNumberOfThreads) {
   const Bracket bracket = simulate(film_response(8), {});
   set_threads(1);
