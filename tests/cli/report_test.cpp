@@ -33,7 +33,7 @@ TEST_F(Report, OfEveryVerbHasItsSections) {
   EXPECT_NE(bytes_of(at("probe.html")).find("<circle class=\"c1\""), std::string::npos) << "the ball";
   const Json render = answer_of({"render", "--probe", at("probe.exr"), "-o", at("render.exr"), "--size", "64x48",
                                  "--samples", "8", "--report", at("render.html")});
-  expect_page("render.html", {"picture-section", "time"});
+  expect_page("render.html", {"picture-section", "error-section", "time"});
   EXPECT_EQ(render["stages"].back()["name"], "report");
 }
 

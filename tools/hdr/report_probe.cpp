@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "libhdr/core/color.h"
 #include "libhdr/filter/tonemap.h"
 #include "libhdr/probe/projection.h"
 #include "libhdr/probe/unwrap.h"
@@ -17,18 +19,21 @@ namespace {
 constexpr int kWidest = 1024;  ///< of the lat-long in the page
 constexpr int kRenderPixels = 640 * 480;
 
-/// Relative deviation of luminance as light: 1 is 100 %.
-Image<float> relative_deviation(const RadianceMap& picture) {
-  Image<float> out(picture.size(), 3);
+/// Standard error of luminance over its value, as light: 1 is 100 %. Empty when no pixel's is known.
+Image<float> relative_error(const Rendering& result) {
+  const View<const float> variance = result.variance;
+  Image<float> out(variance.width(), variance.height(), 3);
+  bool known = false;
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
-      const float *p = picture.rgb.pixel(x, y), *s = picture.stddev.pixel(x, y);
-      const float value = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
-      const float deviation = 0.2126f * s[0] + 0.7152f * s[1] + 0.0722f * s[2];
-      std::fill_n(out.pixel(x, y), 3, value > 0 ? deviation / value : 0.0f);
+      const float* p = result.picture.rgb.pixel(x, y);
+      const double value = luminance(p[0], p[1], p[2]);
+      if (!(value > 0 && variance(x, y) > 0)) continue;
+      std::fill_n(out.pixel(x, y), 3, static_cast<float>(std::sqrt(variance(x, y)) / value));
+      known = true;
     }
   }
-  return out;
+  return known ? std::move(out) : Image<float>();
 }
 
 }  // namespace
@@ -71,11 +76,12 @@ void write_render_report(const ReportFlag& flag, const Run& run, const Rendering
   const Image<float> small = report::reduced(picture.rgb.view(), kRenderPixels);
   std::string html = facts.html() + html_of(report::Picture{"picture", small, metered_stops(small), {}, {}, {}}, page);
   page.add({"picture-section", "The picture", html});
-  if (!picture.stddev.empty()) {
-    const Image<float> error = report::reduced(relative_deviation(picture).view(), kRenderPixels);
+  if (const Image<float> error = relative_error(result); !error.empty()) {
+    const Image<float> shown = report::reduced(error.view(), kRenderPixels);
     page.add({"error-section", "Where it is unsure",
-              "<p>Standard deviation of luminance over its value: 1 is 100 %.</p>\n" +
-                  html_of(report::Picture{"error", error, metered_stops(error), {}, {}, {}}, page)});
+              "<p>Standard error of each pixel's luminance over its value: white at the exposure of 0 stops is 100 %, at "
+              "5 stops 3 %. Black: not lit, or so sure that all its passes agreed.</p>\n" +
+                  html_of(report::Picture{"error", shown, metered_stops(shown), {}, {}, {}}, page)});
   }
   add_stages(page, run);
   page.write(flag.path);

@@ -83,6 +83,18 @@ TEST(Plot, PutsDataWhereTheAxesSay) {
   EXPECT_NEAR(p(4), f(2), 0.11);
 }
 
+// One measured point must be readable off both axes, wherever it lies.
+TEST(Plot, ASinglePointHasMarkedAxes) {
+  const std::regex label("<text x=[^>]*>[^<]+</text>");
+  for (double value = 1.07e-5; value < 1e5; value *= 1.37) {
+    Plot plot = one({"s", Mark::kPoints, Colour::kInk, {value}, {1 / value}});
+    plot.x.log = plot.y.log = true;
+    const std::string svg = html_of(plot);
+    const auto count = std::distance(std::sregex_iterator(svg.begin(), svg.end(), label), std::sregex_iterator());
+    EXPECT_GE(count, 4) << "labels, of both axes, around " << value;
+  }
+}
+
 TEST(Plot, EveryMarkIsWellFormedEvenWithoutData) {
   for (const Mark mark : {Mark::kLine, Mark::kPoints, Mark::kSteps, Mark::kBand, Mark::kSpans, Mark::kArrows}) {
     for (const std::size_t count : {0u, 1u, 3u}) {

@@ -54,7 +54,10 @@ Scale scale_of(const Axis& axis, const Range& data) {
   Scale scale{axis.log, data.low, data.high, 0, 1};
   if (!(scale.low <= scale.high)) scale.low = axis.log ? 0.1 : 0, scale.high = 1;  // no data at all
   if (axis.log) {
-    const double room = std::pow(std::max(scale.high / scale.low, 1.05), 0.03);
+    // Half a decade at least, around data that span less: a shorter axis may hold not one round number to be marked.
+    constexpr double kShortest = 3.2;
+    const double span = scale.high / scale.low;
+    const double room = std::max(std::pow(span, 0.03), std::sqrt(kShortest / span));
     scale.low /= room;
     scale.high *= room;
   } else {
