@@ -17,6 +17,9 @@ HDR_BROWSER_PACKAGES=(chromium python3)
 # there. Other rivals are looked for when they run: pfstools, luminance-hdr, openimageio-tools, blender.
 HDR_BENCH_PACKAGES=(libopencv-photo-dev libbenchmark-dev)
 
+# The compiler whose libFuzzer tests/sanitize.sh runs.
+HDR_FUZZ_PACKAGES=(clang)
+
 # What its tests with real camera drivers need besides (tests/camera): cameras through libcamera, and a virtual machine,
 # whose kernel is fetched but not installed. Without them those tests are skipped, and say so.
 HDR_CAMERA_PACKAGES=(libcamera-dev qemu-system-x86 busybox-static cpio kmod python3 udev)
