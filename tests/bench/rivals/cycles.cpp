@@ -29,10 +29,15 @@ std::string text_of_meshes(const Scene& scene) {
   std::string vertices, triangles;
   std::size_t vertex_count = 0, triangle_count = 0;
   for (const Mesh& mesh : scene.meshes) {
-    for (const Vec3f& p : mesh.positions) vertices += numbers(blender_from_ours(p), " ") + "\n";
+    const bool smooth = !mesh.normals.empty();
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const Vec3f normal = smooth ? mesh.normals[v] : Vec3f(Vec3f::Zero());
+      vertices +=
+          numbers(blender_from_ours(mesh.positions[v]), " ") + " " + numbers(blender_from_ours(normal), " ") + "\n";
+    }
     for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
-      triangles += fmt::format("{} {} {}\n", vertex_count + mesh.indices[k], vertex_count + mesh.indices[k + 1],
-                               vertex_count + mesh.indices[k + 2]);
+      triangles += fmt::format("{} {} {} {:d}\n", vertex_count + mesh.indices[k], vertex_count + mesh.indices[k + 1],
+                               vertex_count + mesh.indices[k + 2], smooth);
     }
     vertex_count += mesh.positions.size();
     triangle_count += mesh.indices.size() / 3;
@@ -50,7 +55,8 @@ std::vector<CyclesRun> render_by_cycles(const Scene& scene, View<const float> la
                                         const std::vector<int>& samples, int threads, const Path& scratch) {
   RadianceMap map;
   const LatLong projection{latlong.size()};
-  map.rgb = resample(latlong, projection, projection, latlong.size(), openexr_from_convention(Convention::kBlender));
+  map.rgb = resample(latlong, projection, projection, latlong.size(),
+                     openexr_from_convention(Convention::kBlender).transpose());  // source_from_probe
   write_map(scratch / "map.exr", map, {}, {SampleType::kFloat, "zip", false});
   write_text(scratch / "mesh.txt", text_of_meshes(scene));
   write_text(scratch / "cycles.py", kCyclesScript);

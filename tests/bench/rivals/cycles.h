@@ -17,8 +17,8 @@ struct CyclesRun {
 /// Whether PATH has `blender`.
 bool cycles_is_here();
 
-/// One picture for each number of samples, in one run of Blender. All meshes are taken as diffuse of albedo .5. Throws
-/// Error when Blender fails.
+/// One picture for each number of samples, in one run of Blender. All meshes are taken as diffuse of albedo .5, with
+/// their normals, or flat where they have none. Throws Error when Blender fails.
 std::vector<CyclesRun> render_by_cycles(const Scene& scene, View<const float> latlong, Size size,
                                         const std::vector<int>& samples, int threads, const Path& scratch);
 

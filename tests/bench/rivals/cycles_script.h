@@ -3,8 +3,9 @@
 namespace hdr::bench {
 
 /// blender -b -P SCRIPT -- FOLDER WIDTH HEIGHT THREADS FOV EYE LOOK SAMPLES...
-/// Reads FOLDER/mesh.txt (number of vertices and triangles, then their numbers) and FOLDER/map.exr; writes
-/// FOLDER/SAMPLES.exr, and a line "RENDER samples cpu wall" each on stdout.
+/// Reads FOLDER/mesh.txt (number of vertices and triangles; of a vertex its place and normal, 0 of flat meshes; of a
+/// triangle its vertices and 1 where it is smooth) and FOLDER/map.exr; writes FOLDER/SAMPLES.exr, and a line
+/// "RENDER samples cpu wall" each on stdout. The map's pixels are constants, as ours: Closest.
 inline constexpr const char* kCyclesScript = R"py(
 import bpy, sys, time, math, mathutils, addon_utils
 a = sys.argv[sys.argv.index('--') + 1:]
@@ -14,11 +15,14 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 addon_utils.enable('cycles')
 lines = open(folder + '/mesh.txt').read().split('\n')
 nv, nf = map(int, lines[0].split())
-verts = [tuple(map(float, l.split())) for l in lines[1:1 + nv]]
+numbers = [tuple(map(float, l.split())) for l in lines[1:1 + nv]]
+verts = [n[:3] for n in numbers]
 faces = [tuple(map(int, l.split())) for l in lines[1 + nv:1 + nv + nf]]
 mesh = bpy.data.meshes.new('m')
-mesh.from_pydata(verts, [], faces)
-for p in mesh.polygons: p.use_smooth = False
+mesh.from_pydata(verts, [], [f[:3] for f in faces])
+for p, f in zip(mesh.polygons, faces): p.use_smooth = bool(f[3])
+mesh.use_auto_smooth, mesh.auto_smooth_angle = True, math.pi
+mesh.normals_split_custom_set_from_vertices([n[3:] for n in numbers])
 ob = bpy.data.objects.new('o', mesh)
 S = bpy.context.scene
 S.collection.objects.link(ob)
@@ -36,6 +40,7 @@ w.use_nodes = True
 env = w.node_tree.nodes.new('ShaderNodeTexEnvironment')
 env.image = bpy.data.images.load(folder + '/map.exr')
 env.image.colorspace_settings.name = 'Linear'
+env.interpolation = 'Closest'
 w.node_tree.links.new(env.outputs[0], w.node_tree.nodes['Background'].inputs[0])
 w.cycles.sampling_method = 'AUTOMATIC'
 c = bpy.data.cameras.new('c')

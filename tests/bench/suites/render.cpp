@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
 #include "tests/bench/rivals/cycles.h"
 #include "tests/bench/suites/light_map.h"
@@ -99,6 +103,62 @@ void against_cycles(Bench& bench, const Setup& setup) {
   }
 }
 
+/// Mean of |a / b - 1| over blocks of pixels that b covers wholly, in percent: what is left of both pictures' noise in
+/// a pixel is several times as large as in a block.
+double mean_percent_between(const RadianceMap& a, const RadianceMap& b) {
+  constexpr int kBlock = 4;
+  double sum = 0;
+  int blocks = 0;
+  const auto whole = [&](int left, int top) {
+    for (int k = 0; k < kBlock * kBlock; ++k)
+      if (b.alpha(left + k % kBlock, top + k / kBlock) < 0.999f) return false;
+    return true;
+  };
+  const auto light = [&](const RadianceMap& map, int left, int top) {
+    double all = 0;
+    for (int k = 0; k < kBlock * kBlock; ++k) {
+      const float* p = map.rgb.pixel(left + k % kBlock, top + k / kBlock);
+      all += luminance<double>(p[0], p[1], p[2]);
+    }
+    return all;
+  };
+  for (int top = 0; top + kBlock <= b.rgb.height(); top += kBlock) {
+    for (int left = 0; left + kBlock <= b.rgb.width(); left += kBlock) {
+      const double ours = light(a, left, top), theirs = light(b, left, top);
+      if (!whole(left, top) || !(theirs > 0)) continue;
+      sum += std::abs(ours / theirs - 1);
+      ++blocks;
+    }
+  }
+  return 100 * sum / std::max(blocks, 1);
+}
+
+/// The same picture? Both converged: orientation of the map, cosine, visibility, scale. By triangles as they are, and
+/// with normals between vertices, where each hides the triangles' terminator in its own way.
+void agree_with_cycles(Bench& bench, const Setup& setup) {
+  if (!cycles_is_here()) return;  // said above
+  const int samples = bench.pick(1024, 4096);
+  const Size size = bench.pick(Size{80, 60}, Size{200, 150});
+  for (const bool smooth : {false, true}) {
+    Scene scene = setup.scene;
+    if (!smooth)
+      for (Mesh& mesh : scene.meshes) mesh.normals.clear();
+    const support::ScratchFolder scratch;
+    const std::vector<CyclesRun> theirs =
+        render_by_cycles(scene, setup.light.latlong(), size, {samples}, threads(), scratch.path());
+    Row row = row_of(setup, "hdr mis against Cycles", samples);
+    row.stage = setup.stage + ", both converged";
+    row.knob = "surface";
+    row.label = smooth ? "smooth" : "flat";
+    row.error_name = "mean relative difference of blocks of 4x4 pixels";
+    row.error =
+        mean_percent_between(rendered(scene, setup.compensated, "mis", size, samples, 1).picture, theirs[0].picture);
+    row.megapixels = megapixels(size);
+    row.note = fmt::format("{} samples each", samples);
+    bench.add(row);
+  }
+}
+
 void by_megapixels(Bench& bench, const Setup& setup) {
   for (const int width : bench.quick() ? std::vector<int>{40, 80, 160} : std::vector<int>{100, 200, 400, 800}) {
     const Size size{width, width * 3 / 4};
@@ -120,6 +180,7 @@ void render_suite(Bench& bench) {
   const Setup setup = setup_of(bench);
   bench.attempt("render", "by method", [&] { bench.race(ours(bench, setup)); });
   bench.attempt("render", "Cycles", [&] { against_cycles(bench, setup); });
+  bench.attempt("render", "agreement with Cycles", [&] { agree_with_cycles(bench, setup); });
   bench.attempt("render", "by size", [&] { by_megapixels(bench, setup); });
   bench.attempt("render", "by threads", [&] { by_threads(bench, setup); });
 }
