@@ -19,6 +19,7 @@ void Film::add(std::size_t pixel, const PixelEstimate& estimate, double weight) 
   sum.coverage += weight * static_cast<double>(estimate.coverage);
   sum.ground += weight * estimate.ground;
   sum.ground_share += weight * static_cast<double>(estimate.ground_share);
+  sum.doubt = estimate.doubt;
   ++sum.passes;
 }
 
@@ -54,6 +55,11 @@ double Film::variance(std::size_t pixel) const {
   if (sum.passes < 2) return -1;
   const double mean = luminance_of(pixel);
   return std::max(0.0, sum.squares / sum.weight - mean * mean) / (sum.passes - 1);
+}
+
+double Film::square_error(std::size_t pixel) const {
+  const double by_chance = variance(pixel);
+  return by_chance < 0 ? by_chance : by_chance + doubt(pixel) * doubt(pixel);
 }
 
 }  // namespace hdr

@@ -163,7 +163,7 @@ void develop(const Film& film, Rendering& result) {
           result.normal(x, y, c) = normal[c];
         }
         result.picture.alpha(x, y) = film.coverage(pixel);
-        result.variance(x, y) = static_cast<float>(std::clamp(film.variance(pixel), 0.0, kLargest));
+        result.variance(x, y) = static_cast<float>(std::clamp(film.square_error(pixel), 0.0, kLargest));
       }
     }
   });
@@ -173,7 +173,7 @@ double error_of(const Film& film) {
   double relative_variance = 0;
   std::int64_t lit = 0;
   for (std::size_t pixel = 0; pixel < film.count(); ++pixel) {
-    const double value = film.luminance_of(pixel), variance = film.variance(pixel);
+    const double value = film.luminance_of(pixel), variance = film.square_error(pixel);
     if (variance < 0) return 1;  // one pass tells nothing of its error
     if (film.coverage(pixel) < 1 || !(value > 0)) continue;
     relative_variance += variance / (value * value);

@@ -57,8 +57,9 @@ bool reflects_light(RenderMethod method);
 struct Rendering {
   RadianceMap picture;  ///< rgb with the probe as backdrop where alpha is 0; alpha = coverage
   Image<float> normal;  ///< three channels, of the world: mean over the pixel of its surfaces' shading normals
-  Image<float>
-      variance;  ///< one channel, of the pixel's luminance; 0 where it is not known, after fewer than two passes
+  /// One channel: mean square error of the pixel's luminance, from the spread of its passes, and of kCache from what
+  /// its records foretell of each other; 0 where it is not known, after fewer than two passes.
+  Image<float> variance;
   /// Of scenes with shadow catchers, else empty: their part of `picture`, three channels, and their share of the pixel,
   /// which alpha leaves out.
   Image<float> ground;
@@ -68,8 +69,9 @@ struct Rendering {
   std::int64_t rays = 0;
   double samples_per_pixel = 0;
   /// Rms over fully covered, lit pixels of the standard error of luminance divided by its value, from the spread of the
-  /// pixel's independent passes. Shadows so deep that no sample met light do not count. One sample a pixel has no
-  /// spread: 1, nothing is known.
+  /// pixel's independent passes; of kCache with what interpolation may add, from how well its records foretell each
+  /// other. Shadows so deep that no sample met light do not count. One sample a pixel has no spread: 1, nothing is
+  /// known.
   double estimated_error = 0;
   std::vector<Vec2f> cache_points;  ///< of kCache: where in the picture its records are
   std::string skipped;  ///< what was not needed, why, and the bound on the error; empty: nothing was skipped

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "libhdr/core/color.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/render/internal/film_filter.h"
 #include "libhdr/render/internal/latlong_lookup.h"
@@ -140,8 +141,12 @@ void TilePainter::collect(const Pass& pass, Workspace& work, Film& film) const {
       if (integrator_->openness()) {
         radiance = work.irradiance.of(place);
       } else if (work.surfaces.diffuse[k]) {
-        radiance += work.irradiance.of(place) * diffuse_albedo(setting_.scene, *work.surfaces.hits[k]) /
-                    static_cast<float>(kPi);
+        const Rgbf reflected = diffuse_albedo(setting_.scene, *work.surfaces.hits[k]) / static_cast<float>(kPi);
+        radiance += work.irradiance.of(place) * reflected;
+        if (!work.irradiance.doubt.empty()) {
+          const Rgbf doubt = work.carried[k] * reflected * work.irradiance.doubt[k];
+          estimate.doubt += static_cast<double>(luminance(doubt[0], doubt[1], doubt[2]));
+        }
       }
       const Rgb seen = (work.carried[k] * radiance + work.backdrop[k]).cast<double>();
       estimate.radiance += seen;
@@ -156,6 +161,7 @@ void TilePainter::collect(const Pass& pass, Workspace& work, Film& film) const {
     estimate.normal *= share;
     estimate.coverage *= share;
     estimate.ground *= static_cast<double>(share);
+    estimate.doubt *= static_cast<double>(share);
     estimate.ground_share *= share;
     film.add(work.indices[pixel], estimate, pass.directions);
   }

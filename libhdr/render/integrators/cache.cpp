@@ -2,7 +2,9 @@
 // compact lights cast shadows with edges, and are sampled at every pixel. Of the soft rest, what an unoccluded surface
 // receives is known for every normal; what occluders take from it is cached, with gradients [Ward92] and an error that
 // the Hessian of occlusion bounds [Schwarzhaupt12]. Where records are and how far
-// they reach is found once; each pass lets them say anew what they see, so that its spread tells of their noise.
+// they reach is found once; each pass lets them say anew what they see, so that its spread tells of their noise. What
+// interpolation adds is the same in every pass: records foretell each other, and how far off they are is a doubt that
+// goes with the light.
 #include <algorithm>
 #include <cmath>
 
@@ -72,6 +74,9 @@ class Cache : public Integrator {
     if (setting_.convex) return;  // nothing is in the way, or it is seen from behind: each place by itself
     if (records_.size() == 0) fill();
     say_again();
+    std::vector<Rgbf> skies;
+    for (const IrradianceRecord& record : records_.records()) skies.push_back(smooth_pixel(table_, record.normal));
+    records_.doubt(skies);
   }
 
   std::vector<Vec2f> record_points() const override { return points_; }
@@ -79,6 +84,7 @@ class Cache : public Integrator {
 
   void irradiance(const Surfaces& at, const Pass& pass, Light& out, std::int64_t& rays) const override {
     if (suns_) suns_->irradiance(at, pass, out, rays);
+    out.doubt.assign(static_cast<std::size_t>(at.count()), 0.0f);
     for (int place = 0; place < at.count(); ++place) {
       const auto k = static_cast<std::size_t>(place);
       if (!at.diffuse[k]) continue;
@@ -86,12 +92,16 @@ class Cache : public Integrator {
       const Rgbf sky = smooth_pixel(table_, normal);
       Rgbf loss = Rgbf::Zero();
       if (!(setting_.convex && at.fronts)) {
-        const std::optional<Rgbf> cached = records_.loss(position, normal, sky);
-        loss = cached ? *cached
-                      : maker_
-                            .record(place_of(position, normal), directions_,
-                                    address(stream_, at.tile, static_cast<std::uint64_t>(place), 9), rays)
-                            .loss;
+        const std::optional<RecordOctree::Said> cached = records_.loss(position, normal, sky);
+        if (cached) {
+          loss = cached->loss;
+          out.doubt[k] = cached->doubt;
+        } else {
+          loss = maker_
+                     .record(place_of(position, normal), directions_,
+                             address(stream_, at.tile, static_cast<std::uint64_t>(place), 9), rays)
+                     .loss;
+        }
       }
       out.add(place, (sky - loss).max(0.0f));
     }

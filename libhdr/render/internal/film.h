@@ -15,6 +15,7 @@ struct PixelEstimate {
   float coverage = 0;
   Rgb ground = Rgb::Zero();  ///< what of the radiance comes from shadow catchers
   float ground_share = 0;    ///< of the camera rays
+  double doubt = 0;          ///< luminance that all passes may be off by alike
 };
 
 class Film {
@@ -38,6 +39,10 @@ class Film {
   double luminance_of(std::size_t pixel) const;
   /// Of the luminance of the mean over the passes, from their spread; -1, not known, after fewer than two.
   double variance(std::size_t pixel) const;
+  /// Luminance that the passes may be off by together, as the last of them says, which knows most.
+  double doubt(std::size_t pixel) const { return pixels_[pixel].doubt; }
+  /// Mean square of how far off the pixel's luminance may be, by chance and by doubt; -1 where that is not known.
+  double square_error(std::size_t pixel) const;
 
  private:
   struct Pixel {
@@ -45,7 +50,7 @@ class Film {
     Vec3f normal = Vec3f::Zero();
     double squares = 0;  ///< of luminance
     Rgb ground = Rgb::Zero();
-    double weight = 0, coverage = 0, ground_share = 0;
+    double weight = 0, coverage = 0, ground_share = 0, doubt = 0;
     int passes = 0;
   };
   Size size_;

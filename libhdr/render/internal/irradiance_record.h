@@ -16,6 +16,7 @@ struct IrradianceRecord {
   Eigen::Matrix3f by_rotation, by_translation;  ///< a row a channel
   Eigen::Matrix3f metric;                       ///< d^T metric d < 1 within the record's reach
   float trusted = 1;                            ///< share of the gradient of translation that may be used
+  float doubt = 0;                              ///< luminance that it may be off by where its reach ends
   float radius = 0;                             ///< of a sphere that holds it
 };
 

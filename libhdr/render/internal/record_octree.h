@@ -20,9 +20,19 @@ class RecordOctree {
   /// To change what they say; where they are and how far they reach must stay.
   std::vector<IrradianceRecord>& records() { return records_; }
 
+  struct Said {
+    Rgbf loss;
+    float doubt;  ///< luminance that `loss` may be off by, beside what the records' rays missed by chance
+  };
   /// What occluders take at a place: the mean of what the records say that reach it, by how near they are; none do:
   /// nothing. No record may say more than `sky`, what there is to take.
-  std::optional<Rgbf> loss(const Vec3f& position, const Vec3f& normal, const Rgbf& sky) const;
+  std::optional<Said> loss(const Vec3f& position, const Vec3f& normal, const Rgbf& sky) const;
+
+  /// Each record is asked for by those that reach it, and what they say held against what it says itself: how far off a
+  /// record is grows as the square of the distance, in units of its reach, which gives its doubt. `sky` is what there
+  /// is to take by each record. Asked again after the records have said anew what they see, independently, the noise of
+  /// both drops out of the products of the differences.
+  void doubt(const std::vector<Rgbf>& sky);
   bool covered(const Vec3f& position, const Vec3f& normal) const;
 
  private:
@@ -40,6 +50,7 @@ class RecordOctree {
   float half_;
   std::vector<Node> nodes_;
   std::vector<IrradianceRecord> records_;
+  std::vector<float> foretold_;  ///< of each pair of records, one within the other's reach: how far off, last time
 };
 
 }  // namespace hdr

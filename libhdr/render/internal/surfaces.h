@@ -37,9 +37,11 @@ Rgbf diffuse_albedo(const Scene& scene, const Hit& hit);
 /// Red, green and blue of every place.
 struct Light {
   std::array<std::vector<float>, 3> rgb;
+  std::vector<float> doubt;  ///< luminance that it may be off by in all passes alike; empty: by nothing
 
   void reset(int places) {
     for (auto& channel : rgb) channel.assign(static_cast<std::size_t>(places), 0.0f);
+    doubt.clear();
   }
   Rgbf of(int place) const {
     const auto k = static_cast<std::size_t>(place);

@@ -6,6 +6,7 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/light/split_lights.h"
 #include "libhdr/render/internal/irradiance_record.h"
@@ -137,12 +138,58 @@ TEST(RecordOctree, FindsWhatReaches) {
   EXPECT_EQ(tree.size(), 40u);
   const Rgbf sky = Rgbf::Constant(100);
   for (float x = -3.8f; x < 3.8f; x += 0.07f) {
-    const auto loss = tree.loss({x, 0, 0}, {0, 1, 0}, sky);
-    ASSERT_TRUE(loss);
-    EXPECT_NEAR((*loss)[0], (x + 3.9f) / 0.2f, 0.5f) << "a mean of those on both sides";
+    const auto said = tree.loss({x, 0, 0}, {0, 1, 0}, sky);
+    ASSERT_TRUE(said);
+    EXPECT_NEAR(said->loss[0], (x + 3.9f) / 0.2f, 0.5f) << "a mean of those on both sides";
     EXPECT_FALSE(tree.loss({x, 0.4f, 0}, {0, 1, 0}, sky)) << "too far";
     EXPECT_FALSE(tree.loss({x, 0, 0}, {1, 0, 0}, sky)) << "another normal";
   }
+}
+
+// Records of a parabola that know its slope err by its bend: a at distance 1 from y = a x^2.
+TEST(RecordOctree, DoubtIsHowFarOffTheRecordsAre) {
+  constexpr float kBend = 3, kReach = 0.5f, kSky = 100;
+  RecordOctree tree({0, 0, 0}, 8);
+  for (int k = -40; k <= 40; ++k) {
+    const float x = 0.1f * static_cast<float>(k);
+    IrradianceRecord record{};
+    record.normal = {0, 1, 0};
+    record.by_rotation.setZero();
+    record.by_translation.setZero();
+    record.by_translation.col(0) = Vec3f::Constant(2 * kBend * x);
+    record.position = {x, 0, 0};
+    record.loss = Rgbf::Constant(kBend * x * x);
+    record.radius = kReach;
+    record.metric = Eigen::Matrix3f::Identity() / (kReach * kReach);
+    tree.add(record);
+  }
+  const std::vector<Rgbf> skies(tree.size(), Rgbf::Constant(kSky));
+  tree.doubt(skies);
+  const auto doubts = [&] {
+    double sum = 0;
+    for (float x = -3; x < 3; x += 0.07f)
+      sum += static_cast<double>(tree.loss({x, 0, 0}, {0, 1, 0}, Rgbf::Constant(kSky))->doubt);
+    return sum;
+  };
+  for (float x = -3; x < 3; x += 0.07f) {
+    const auto said = tree.loss({x, 0, 0}, {0, 1, 0}, Rgbf::Constant(kSky));
+    const float off = std::abs(said->loss[0] - kBend * x * x);
+    EXPECT_GT(off, 0.01f) << "all records lie below the parabola: their spread would not tell";
+    EXPECT_NEAR(said->doubt, off, 0.3f * off);
+  }
+  const double of_the_bend = doubts();
+  // Noise that is another the next time is no doubt.
+  double noisy = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    Random random(5, static_cast<std::uint64_t>(pass));
+    for (IrradianceRecord& record : tree.records()) {
+      const float x = record.position.x(), noise = static_cast<float>(random.uniform()) - 0.5f;
+      record.loss = Rgbf::Constant(kBend * x * x + noise);
+    }
+    tree.doubt(skies);
+    noisy = doubts();
+  }
+  EXPECT_NEAR(noisy, of_the_bend, 0.3 * of_the_bend);
 }
 
 struct Difference {
@@ -179,7 +226,9 @@ TEST(Render, CacheShowsWhatMonteCarloShows) {
     // Pixels where things touch are dark, and their relative errors large.
     EXPECT_LT(off.rms, 0.05) << (sunny ? "sunny" : "soft");
     EXPECT_LT(std::abs(off.bias), 0.006) << (sunny ? "sunny" : "soft");
-    EXPECT_LT(cached.estimated_error, 2 * off.rms + 0.002);
+    // It knows of what interpolation adds, and not only of noise.
+    EXPECT_LT(cached.estimated_error, 2 * off.rms + 0.002) << (sunny ? "sunny" : "soft");
+    EXPECT_GT(cached.estimated_error, 0.5 * off.rms) << (sunny ? "sunny" : "soft");
   }
 }
 
