@@ -11,6 +11,7 @@
 #include "libhdr/render/render.h"
 #include "libhdr/render/scene_file.h"
 #include "tests/bench/render_scene.h"
+#include "tests/bench/render_targets.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/support/support.h"
 
@@ -120,10 +121,10 @@ int main(int argc, char** argv) {
   CLI::App app("  render_bench\n\ntest renders: time against error");
   app.add_flag("--quick", options.quick, "few rays: answers, not times");
   app.add_flag("--strict", options.strict, "exit 1 when a figure is missed");
-  app.add_option("--scene", options.scene, "a .obj instead of the folded ball");
+  app.add_option("--scene", options.scene, "a mesh instead of the folded ball");
   app.add_option("--map", options.map, "a lat-long instead of the sunny sky");
   app.add_option("--reference", options.reference, "samples of the reference")->capture_default_str();
-  app.add_option("--only", options.only, "rates or errors");
+  app.add_option("--only", options.only, "rates, errors, targets or triangles");
   app.add_option("--save", options.save, "write the reference here (.exr)");
   CLI11_PARSE(app, argc, argv);
   if (options.quick) options.size = {80, 60}, options.reference = 64;
@@ -132,6 +133,8 @@ int main(int argc, char** argv) {
   const Image<float> map = map_of(options);
   if (wanted("rates")) bench_rates(options, scene, map);
   if (wanted("errors")) bench_errors(options, scene, map);
+  if (wanted("targets")) all_met = bench_targets({scene, map, options.size, options.quick}) && all_met;
+  if (wanted("triangles")) bench_triangles(options.quick);
   return all_met || !options.strict ? 0 : 1;
 }
 

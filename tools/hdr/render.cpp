@@ -70,8 +70,10 @@ std::function<int(Run&)> declare_render(CLI::App& app) {
                  "methods but ao, sh, sh-ao, mean-ao and prt")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
-  app.add_option("--depth-maps", options->depth_maps,
-                 "of ao, sh-ao and mean-ao: see the sky in so many depth maps from all around, instead of by rays")
+  app.add_option(
+         "--depth-maps", options->depth_maps,
+         "of ao, sh-ao and mean-ao: see the sky in so many depth maps from all around, as the lecture does, instead of "
+         "by rays, which take no longer")
       ->check(CLI::Range(1, 1 << 16));
   app.add_option("--size", options->size, "of the picture")->capture_default_str();
   app.add_option("--filter", options->filter, "of the film: box is the pixel itself, blackman-harris three pixels wide")
