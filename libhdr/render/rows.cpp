@@ -26,19 +26,21 @@ void Rays::turn(const DirectionPool& pool, std::size_t begin, const Surfaces& at
   std::copy_n(at.diffuse.begin() + static_cast<std::ptrdiff_t>(first), places, wanted.begin());
 }
 
-void Rays::face(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray) {
+bool Rays::face(const DirectionPool& pool, std::size_t begin, const Surfaces& at, int camera_ray) {
   const auto first = static_cast<std::size_t>(camera_ray * places);
   const float *nx = at.normal_x.data() + first, *ny = at.normal_y.data() + first, *nz = at.normal_z.data() + first;
   const float *px = pool.x.data() + begin, *py = pool.y.data() + begin, *pz = pool.z.data() + begin;
-  const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin;
   x = px, y = py, z = pz;
   float* __restrict cosine = weight.data();
   std::int32_t* __restrict lanes = wanted.data();
+  std::int32_t any = 0;
   for (int k = 0; k < places; ++k) {
     const float c = std::max(nx[k] * px[k] + ny[k] * py[k] + nz[k] * pz[k], 0.0f);
     cosine[k] = c;
-    lanes[k] = c * (red[k] + green[k] + blue[k]) > 0 ? -1 : 0;
+    lanes[k] = c > 0 ? -1 : 0;
+    any |= lanes[k];
   }
+  return any != 0;
 }
 
 void Rays::keep_visible(const Visibility& visibility, const Surfaces& at, int camera_ray, Spread spread,
@@ -47,7 +49,7 @@ void Rays::keep_visible(const Visibility& visibility, const Surfaces& at, int ca
   visibility.keep(at, {at.x.data() + first, at.y.data() + first, at.z.data() + first, x, y, z}, spread, wanted, traced);
 }
 
-void Rays::add(const DirectionPool& pool, std::size_t begin, int camera_ray, Light& out) const {
+void Rays::add(const DirectionPool& pool, std::size_t begin, int camera_ray, float scale, Light& out) const {
   const auto first = static_cast<std::size_t>(camera_ray * places);
   const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin;
   float* __restrict to_red = out.rgb[0].data() + first;
@@ -56,7 +58,27 @@ void Rays::add(const DirectionPool& pool, std::size_t begin, int camera_ray, Lig
   const float* by = weight.data();
   const std::int32_t* lanes = wanted.data();
   for (int k = 0; k < places; ++k) {
-    const float w = lanes[k] != 0 ? by[k] : 0.0f;
+    const float w = lanes[k] != 0 ? scale * by[k] : 0.0f;
+    to_red[k] += w * red[k];
+    to_green[k] += w * green[k];
+    to_blue[k] += w * blue[k];
+  }
+}
+
+void Rays::add_balanced(const DirectionPool& pool, std::size_t begin, int camera_ray, const Densities& densities,
+                        Light& out) const {
+  const auto first = static_cast<std::size_t>(camera_ray * places);
+  const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin,
+              *pdf = pool.pdf.data() + begin;
+  float* __restrict to_red = out.rgb[0].data() + first;
+  float* __restrict to_green = out.rgb[1].data() + first;
+  float* __restrict to_blue = out.rgb[2].data() + first;
+  const float* cosine = weight.data();
+  const std::int32_t* lanes = wanted.data();
+  for (int k = 0; k < places; ++k) {
+    // What is drawn has a density; a weight without one is of a place that nothing is added to.
+    const float density = std::max(densities.probe * pdf[k] + densities.surface * cosine[k], 1e-30f);
+    const float w = lanes[k] != 0 ? cosine[k] / density : 0.0f;
     to_red[k] += w * red[k];
     to_green[k] += w * green[k];
     to_blue[k] += w * blue[k];

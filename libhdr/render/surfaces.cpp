@@ -26,6 +26,7 @@ void Surfaces::resize(int places_of_one, int rays) {
   viewers.assign(size, Vec3f::Zero());
   glossy.clear();
   fronts = true;
+  any_diffuse = false;
 }
 
 void Surfaces::set(int place, const Hit& hit, const Vec3f& viewer, bool plain) {
@@ -39,6 +40,7 @@ void Surfaces::set(int place, const Hit& hit, const Vec3f& viewer, bool plain) {
     return;
   }
   diffuse[k] = -1;
+  any_diffuse = true;
   Vec3f t, b;
   tangents_from_normal(hit.normal, t, b);
   store(hit.normal, k, normal_x, normal_y, normal_z);

@@ -193,8 +193,10 @@ void TilePainter::paint(int tile, const Pass& pass, const std::vector<std::uint8
   work.irradiance.reset(places * pass.camera_rays);
   work.radiance.reset(places * pass.camera_rays);
   for (int ray = 0; ray < pass.camera_rays; ++ray) trace(pass, ray, work, tally.rays);
-  integrator_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
-  if (interreflection_) interreflection_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
+  // Beside the scene, and on gloss alone, nobody asks what light arrives.
+  const bool asked = work.surfaces.any_diffuse;
+  if (asked) integrator_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
+  if (asked && interreflection_) interreflection_->irradiance(work.surfaces, pass, work.irradiance, tally.rays);
   if (has_gloss_) gloss_.radiance(work.surfaces, pass, work.radiance, tally.rays);
   collect(pass, work, film);
   tally.directions += std::int64_t{pixels} * pass.directions;

@@ -27,6 +27,7 @@ class Mis : public Integrator {
   }
 
   void irradiance(const Surfaces& at, const Pass& pass, Light& out, std::int64_t& rays) const override {
+    if (light_.black()) return;
     Rays towards(at.places);
     // Each camera ray has its share of the rows, and stands for all: by so much more does each of them count.
     const auto probe_density = static_cast<float>(from_probe_.rows) / static_cast<float>(pass.camera_rays);
@@ -35,14 +36,9 @@ class Mis : public Integrator {
     for (int row = 0; row < from_probe_.rows; ++row) {
       const int camera_ray = pass.camera_ray_of(row);
       const std::size_t begin = from_probe_.begin(row, at.tile);
-      towards.face(from_probe_, begin, at, camera_ray);
+      if (!towards.face(from_probe_, begin, at, camera_ray)) continue;
       towards.keep_visible(visibility_, at, camera_ray, from_probe_.spread(row, at.tile), rays);
-      const float* pdf = from_probe_.pdf.data() + begin;
-      float* __restrict weight = towards.weight.data();
-      // What is drawn has a density; a weight without one is of a place that nothing is added to.
-      for (int k = 0; k < at.places; ++k)
-        weight[k] /= std::max(probe_density * pdf[k] + surface_density * weight[k], 1e-30f);
-      towards.add(from_probe_, begin, camera_ray, out);
+      towards.add_balanced(from_probe_, begin, camera_ray, {probe_density, surface_density}, out);
     }
     const View<const float> map = light_.latlong();
     const Environment::DensityLaw law = light_.density_law();

@@ -27,10 +27,9 @@ class Structured : public Integrator {
     for (int row = 0; row < pool_.rows; ++row) {
       const int camera_ray = pass.camera_ray_of(row);
       const std::size_t begin = pool_.begin(row, at.tile);
-      towards.face(pool_, begin, at, camera_ray);
+      if (!towards.face(pool_, begin, at, camera_ray)) continue;
       towards.keep_visible(visibility_, at, camera_ray, pool_.spread(row, at.tile), rays);
-      for (float& weight : towards.weight) weight *= static_cast<float>(pass.camera_rays);
-      towards.add(pool_, begin, camera_ray, out);
+      towards.add(pool_, begin, camera_ray, static_cast<float>(pass.camera_rays), out);
     }
   }
 

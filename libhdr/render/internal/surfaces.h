@@ -24,6 +24,7 @@ struct Surfaces {
   std::vector<Vec3f> viewers;        ///< unit, towards where the surface is seen from
   std::vector<std::int32_t> glossy;  ///< places of materials that are not diffuse
   bool fronts = true;                ///< every hit is seen from its outside
+  bool any_diffuse = false;
 
   int count() const { return places * camera_rays; }
   void resize(int places_of_one, int rays);
