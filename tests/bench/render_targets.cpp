@@ -115,7 +115,7 @@ class Figures {
   }
 
   void say(const std::string& what, double cpu, double must) {
-    const bool met = cpu <= must;
+    const bool met = std::isfinite(cpu) && cpu <= must;
     all_met_ = all_met_ && met;
     fmt::print("{}: {:.3f} CPU s (must: <= {:.2f}) {}\n", what, cpu, must, met ? "met" : "MISSED");
     std::fflush(stdout);
