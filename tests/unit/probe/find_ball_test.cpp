@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/rim_stretch.h"
 #include "libhdr/probe/photograph.h"
 #include "tests/unit/probe/made_up_environments.h"
 
@@ -76,6 +78,88 @@ TEST(FindBallInNothing, FlatBlackNoisyOrTinyPicturesHaveNone) {
   std::fill_n(flat.row(90), 300, std::numeric_limits<float>::infinity());
   EXPECT_FALSE(find_ball(flat)) << "NaN and infinity";
   EXPECT_FALSE(find_ball(Image<float>()));
+}
+
+/// A round thing of radiance(x, y) on the unit disc, y down, before a room.
+template <class Radiance>
+Image<float> round_thing(std::uint64_t seed, const Disc& disc, const Radiance& radiance) {
+  const Image<float> scene = test::latlong_of(512, test::SoftRoom(seed, 0.5));
+  Image<float> view = photograph_view(scene, {800, 600}, 50, rotation_from_degrees({0, 53.0 * double(seed), 0}));
+  constexpr int kSamples = 4;
+  for (int y = 0; y < 600; ++y) {
+    for (int x = 0; x < 800; ++x) {
+      double light = 0;
+      int inside = 0;
+      for (int k = 0; k < kSamples * kSamples; ++k) {
+        const Vec2 p((x + (k % kSamples + 0.5) / kSamples - disc.cx) / disc.r,
+                     (y + (k / kSamples + 0.5) / kSamples - disc.cy) / disc.r);
+        if (p.norm() > 1) continue;
+        light += radiance(p);
+        ++inside;
+      }
+      const double beside = 1 - static_cast<double>(inside) / (kSamples * kSamples);
+      for (int c = 0; c < 3; ++c)
+        view(x, y, c) = static_cast<float>(beside * view(x, y, c) + light / (kSamples * kSamples));
+    }
+  }
+  add_noise(view, 0.003, seed);
+  return view;
+}
+
+TEST(FindBallInNothing, LampsPlatesAndWheelsAreNoBalls) {
+  using Radiance = std::function<double(const Vec2&)>;
+  int taken = 0;
+  for (const std::uint64_t seed : {61u, 62u, 63u, 64u}) {
+    Random random(seed, 8);
+    const Disc disc{250 + 300 * random.uniform(), 230 + 140 * random.uniform(), 90 + 110 * random.uniform()};
+    const double a = random.uniform(), phase = 2 * kPi * random.uniform();
+    const Radiance even_lamp = [&](const Vec2& p) { return 8 * (1 + 0.2 * a * p.x()); };
+    const Radiance milk_glass = [](const Vec2& p) { return 2.4 + 5.6 * std::sqrt(1 - std::min(1.0, p.squaredNorm())); };
+    const Radiance plate = [&](const Vec2& p) {
+      return (1.2 + 0.6 * std::sin((10 + 20 * a) * p.squaredNorm() + phase)) * (1 + 0.3 * a * p.x());
+    };
+    const Radiance wheel = [&](const Vec2& p) {
+      if (p.norm() > 0.8) return 0.1;
+      return std::cos(9 * std::atan2(p.y(), p.x()) + phase) > 0.2 ? 1.5 : 0.3;
+    };
+    EXPECT_FALSE(find_ball(round_thing(seed, disc, even_lamp))) << "seed " << seed;
+    EXPECT_FALSE(find_ball(round_thing(seed, disc, milk_glass))) << "seed " << seed;
+    EXPECT_FALSE(find_ball(round_thing(seed, disc, wheel))) << "seed " << seed;
+    taken += find_ball(round_thing(seed, disc, plate)).has_value();
+  }
+  EXPECT_LE(taken, 1) << "of four plates: rings beside a plate's own may cross its edge";
+}
+
+TEST(RimStretch, ASphereHasItAndADiscHasNot) {
+  const Disc disc{300, 250, 180};
+  constexpr double kNoise = 1e-3;
+  const auto luminance_on_disc = [&](const auto& radiance) {
+    Image<float> picture(600, 500, 1);
+    for (int y = 0; y < 500; ++y) {
+      for (int x = 0; x < 600; ++x)
+        picture(x, y) = static_cast<float>(radiance(Vec2((x + 0.5 - disc.cx) / disc.r, (y + 0.5 - disc.cy) / disc.r)));
+    }
+    return picture;
+  };
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const test::SoftRoom room(seed, 0.5);
+    const Image<float> ball = luminance_on_disc([&](const Vec2& p) {
+      const auto d = MirrorBall{{0, 0, 1}}.dir_from_px(p);
+      return d ? room(*d, 1) : 1.0;
+    });
+    const Image<float> flat =
+        luminance_on_disc([&](const Vec2& p) { return room(Vec3(p.x(), p.y(), 2).normalized(), 1); });
+    EXPECT_GT(internal::rim_stretch(ball, disc, kNoise), 0.4) << seed;
+    EXPECT_LT(internal::rim_stretch(flat, disc, kNoise), 0.4) << "a window, seed " << seed;
+    sum += internal::rim_stretch(ball, disc, kNoise);
+  }
+  EXPECT_NEAR(sum / 8, 1, 0.25) << "scenes have no direction of their own on the whole; the raster takes a little";
+  const Image<float> spokes =
+      luminance_on_disc([](const Vec2& p) { return 2 + std::cos(8 * std::atan2(p.y(), p.x())); });
+  EXPECT_LT(internal::rim_stretch(spokes, disc, kNoise), -0.5);
+  const Image<float> rings = luminance_on_disc([](const Vec2& p) { return 2 + std::cos(30 * p.norm()); });
+  EXPECT_LT(std::abs(internal::rim_stretch(rings, disc, kNoise)), 0.1);
 }
 
 /// As an enlarged, compressed snapshot: each pixel the mean of a wide square, several times over.
