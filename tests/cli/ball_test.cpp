@@ -43,6 +43,49 @@ TEST_F(Ball, BesideTheMiddleTheCamerasFieldGivesTheTrueRays) {
   EXPECT_GT(p99_from_world("far.exr"), 1.3 * p99_from_world("probe.exr")) << "a far camera's rays are others";
 }
 
+/// Puts FocalLengthIn35mmFilm in the place of the ISO among a JPEG's EXIF.
+void set_focal_length(const std::filesystem::path& photo, int millimetres) {
+  std::string bytes = bytes_of(photo);
+  const std::string iso("\x27\x88\x03\0\x01\0\0\0", 8), focal("\x05\xa4\x03\0\x01\0\0\0", 8);
+  const std::size_t at = std::min(bytes.find(iso), bytes.find(focal));
+  ASSERT_NE(at, std::string::npos) << photo;
+  bytes.replace(at, 8, focal);
+  bytes[at + 8] = static_cast<char>(millimetres & 0xff);
+  bytes[at + 9] = static_cast<char>(millimetres >> 8);
+  std::ofstream(photo, std::ios::binary) << bytes;
+}
+
+TEST_F(Ball, ExifsFieldGivesTheDistanceToWholeFramesAlone) {
+  const auto shoot = [&](const std::string& folder, const std::string& size) {
+    answer_of({"simulate", world(), "-o", at(folder), "--ball", "--size", size, "--times", "1/60", "--format", "jpg",
+               "--distance", "6", "--ball-radius", "150"});
+    const Json ball = Json::parse(bytes_of(scratch_ / folder / "bracket.json"))["ball"];
+    set_focal_length(scratch_ / folder / "shot_00.jpg", 0);
+    return ball;
+  };
+  const auto unwrapped = [&](const std::string& folder, const std::string& outline,
+                             std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {
+        "unwrap", at(folder + "/shot_00.jpg"), "-o", at("x.exr"), "--from", "mirror-ball", "--width", "128", "--ball",
+        outline};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return answer_of(arguments);
+  };
+  const Json ball = shoot("whole", "600x450");
+  EXPECT_TRUE(unwrapped("whole", "300,225,150")["ball"]["distance"].is_null()) << "0 millimetres: unknown";
+  // The lens that gives 36 x 24 mm the same diagonal field; a whole number, as the tag holds.
+  const double focal_px = 300 / std::tan(0.5 * ball["fov"].get<double>() * kDegree);
+  const double millimetres = focal_px * std::hypot(36, 24) / std::hypot(600, 450);
+  set_focal_length(scratch_ / "whole" / "shot_00.jpg", static_cast<int>(std::lround(millimetres)));
+  const Json found = unwrapped("whole", "300,225,150");
+  EXPECT_NEAR(1 / found["ball"]["distance"].get<double>(), 1.0 / 6, 0.3 * kDegree) << "what the rim's directions err";
+  EXPECT_NEAR(found["camera_fov"].get<double>(), ball["fov"].get<double>(), 0.02 * ball["fov"].get<double>());
+  EXPECT_EQ(unwrapped("whole", "300,225,150", {"--distance", "9"})["ball"]["distance"], 9.0) << "what is said counts";
+  shoot("crop", "480x472");
+  set_focal_length(scratch_ / "crop" / "shot_00.jpg", 28);
+  EXPECT_TRUE(unwrapped("crop", "240,236,150")["ball"]["distance"].is_null()) << "a crop keeps the whole frame's tag";
+}
+
 TEST_F(Ball, ReflectanceIsDividedOut) {
   photograph("shots", {"--reflectance", "0.5,0.55,0.6", "--distance", "20"});
   answer_of({"unwrap", at("shots/truth.exr"), "-o", at("dark.exr"), "--width", "256"});

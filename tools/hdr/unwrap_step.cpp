@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/io/read.h"
 #include "libhdr/probe/find_ball.h"
 #include "libhdr/probe/find_image_circle.h"
 #include "libhdr/probe/reflectance.h"
@@ -12,8 +16,26 @@
 namespace hdr::tools {
 namespace {
 
-/// What --ball says, or the search: with its distance where the picture tells.
-MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source) {
+/// The horizontal field that a photograph's EXIF gives, degrees. A crop around a ball keeps the tag of what it was cut
+/// from, and would put the camera beside the ball: only what has a whole frame's shape is believed.
+std::optional<double> field_in_exif(const std::string& source, Size size) {
+  constexpr double kSlack = 0.01;
+  if (!is_photo_name(source)) return std::nullopt;
+  try {
+    const PhotoHeader header = read_photo_header(source);
+    if (!(header.size == size)) return std::nullopt;
+    const double shape = static_cast<double>(std::max(size.width, size.height)) / std::min(size.width, size.height);
+    for (const double whole : {4.0 / 3, 3.0 / 2, 16.0 / 9}) {
+      if (std::abs(shape / whole - 1) < kSlack) return header.fov_degrees;
+    }
+  } catch (const Error&) {  // a radiance map in a TIFF has no camera
+  }
+  return std::nullopt;
+}
+
+/// What --ball says, or the search: with its distance where the picture, or the camera's field, tells.
+MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
+                        const std::optional<double>& camera_fov, const std::string& source) {
   if (flags.ball != "auto") {
     const Vec3 numbers = vec3_from_text(flags.ball, "--ball");
     if (!(numbers.z() > 0)) throw Error("--ball: the radius must be positive; give CX,CY,R in pixels");
@@ -23,10 +45,10 @@ MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags&
         disc.cy - disc.r >= size.height) {
       throw Error(fmt::format("--ball: {} lies outside of the {}x{} picture", flags.ball, size.width, size.height));
     }
-    if (flags.camera_fov) return ball_in_photograph(disc, size, *flags.camera_fov);
+    if (camera_fov) return ball_in_photograph(disc, size, *camera_fov);
     return {disc};
   }
-  const auto found = run.stage("find ball", [&] { return find_ball(picture.rgb, {flags.camera_fov}); });
+  const auto found = run.stage("find ball", [&] { return find_ball(picture.rgb, {camera_fov}); });
   if (!found) throw Error(source + ": no mirror ball found; pass --ball CX,CY,R (pixels, y down)");
   run.answer["ball_support"] = found->support;
   run.answer["ball_residual_px"] = found->residual_px;
@@ -79,7 +101,16 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
   const auto* known = named ? std::get_if<MirrorBall>(&*named) : nullptr;
   MirrorBall ball = known ? *known : MirrorBall{};
   if (!known || flags.ball != "auto") {
-    ball = ball_outline(run, picture, flags, source);
+    // EXIF's field is a whole number of millimetres: good for a distance, and told nowhere else.
+    std::optional<double> camera_fov = flags.camera_fov;
+    if (!camera_fov && !flags.distance && !known) {
+      camera_fov = field_in_exif(source, picture.size());
+      if (camera_fov)
+        run.say(fmt::format("{}: EXIF gives a field of {:.1f} degrees; --camera-fov or --distance overrules it", source,
+                            *camera_fov));
+    }
+    if (camera_fov) run.answer["camera_fov"] = *camera_fov;
+    ball = ball_outline(run, picture, flags, camera_fov, source);
     if (known && !flags.camera_fov) ball.distance = known->distance;
   } else if (flags.camera_fov) {
     ball = ball_in_photograph(ball.disc, picture.size(), *flags.camera_fov);
