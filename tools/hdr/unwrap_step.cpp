@@ -49,7 +49,10 @@ MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags&
     return {disc};
   }
   const auto found = run.stage("find ball", [&] { return find_ball(picture.rgb, {camera_fov}); });
-  if (!found) throw Error(source + ": no mirror ball found; pass --ball CX,CY,R (pixels, y down)");
+  if (!found)
+    throw Error(
+        source +
+        ": no mirror ball found: most of its outline must be in the picture; pass --ball CX,CY,R (pixels, y down)");
   run.answer["ball_support"] = found->support;
   run.answer["ball_residual_px"] = found->residual_px;
   return found->ball;
