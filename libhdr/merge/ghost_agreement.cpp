@@ -141,9 +141,13 @@ void PairAgreement::find_corrections() {
       if (octave < 0 || octave >= kOctaves || !(level_b > 0)) continue;
       ratios[static_cast<std::size_t>(octave)].push_back(std::log(level_a / a_.exposure / (level_b / b_.exposure)));
     }
-    for (std::size_t octave = 0; octave < kOctaves; ++octave) {
-      if (ratios[octave].size() < kFewest) continue;
-      correction_[c][octave] = std::exp(std::clamp(median_of(ratios[octave]), -kMostCorrection, kMostCorrection));
+    for (int octave = 0; octave < kOctaves; ++octave) {
+      // Where b is clipped, those cells of b that are not are a choice: what moved, and nothing can be said.
+      const bool seen = std::ldexp(1.0f, -octave) * b_.exposure < a_.exposure;
+      std::vector<float>& of_octave = ratios[static_cast<std::size_t>(octave)];
+      if (!seen || of_octave.size() < kFewest) continue;
+      correction_[c][static_cast<std::size_t>(octave)] =
+          std::exp(std::clamp(median_of(of_octave), -kMostCorrection, kMostCorrection));
     }
   }
 }

@@ -167,11 +167,12 @@ class Planner {
     return risk;
   }
 
+  using Kept = std::vector<std::pair<std::size_t, CellMask>>;  ///< shots, and where each is left out
   /// The shots that agree with `reference`, and where they do not.
   struct Agreement {
     std::size_t reference = 0;
     double risk = 0;
-    std::vector<std::pair<std::size_t, CellMask>> kept;  ///< and where each is left out
+    Kept kept;
   };
   Agreement agreement_with(const Judged& region, std::size_t reference) const {
     Agreement agreement{reference, 0, {}};
@@ -187,9 +188,15 @@ class Planner {
     return agreement;
   }
 
+  /// Does shot j say nothing against the shots that are kept in this cell?
+  static bool agrees(const Judged& region, std::size_t j, const Kept& kept, std::size_t at) {
+    return std::all_of(kept.begin(), kept.end(), [&](const auto& shot) {
+      return shot.first == j || shot.second.set[at] || region.pairs[pair_of(j, shot.first)][at] < kLow;
+    });
+  }
+
   /// Where shot k disagrees with the shots of `kept`, each in the cells where it is kept; whole pieces, without holes.
-  CellMask left_out(const Judged& region, std::size_t k,
-                    const std::vector<std::pair<std::size_t, CellMask>>& kept) const {
+  CellMask left_out(const Judged& region, std::size_t k, const Kept& kept) const {
     const Size size{region.box.width(), region.box.height()};
     std::vector<std::uint8_t> evidence(region.box.count()), reach(region.box.count());
     CellMask measured(size);
@@ -203,12 +210,12 @@ class Planner {
       }
     }
     // Where the shots that are kept are clipped or black, agreeing with them proves little: there a thing that they
-    // contradict beside reaches as far as any shot contradicts it.
+    // contradict beside reaches as far as any shot contradicts it which they do not contradict.
     for (const int cell : region.cells) {
       const auto at = static_cast<std::size_t>(cell);
       reach[at] = evidence[at];
       for (std::size_t j = 0; j < shots_.size() && !measured.set[at]; ++j) {
-        if (j != k) reach[at] = std::max(reach[at], region.pairs[pair_of(k, j)][at]);
+        if (j != k && agrees(region, j, kept, at)) reach[at] = std::max(reach[at], region.pairs[pair_of(k, j)][at]);
       }
     }
     CellMask mask = filled(closed(hysteresis(reach, evidence, size, kLow, kHighInside, kSeedsInside), kGap));
