@@ -57,11 +57,13 @@
 #include "libhdr/probe/convention.h"  // which way round others have the sphere
 #include "libhdr/probe/find_ball.h"   // where the mirror ball is
 #include "libhdr/probe/find_image_circle.h"  // where a fisheye's picture ends
+#include "libhdr/probe/find_level.h"  // which way is up
 #include "libhdr/probe/fisheye_pair.h"  // two opposite lenses as one sphere
 #include "libhdr/probe/photograph.h"  // what a camera sees in an environment
 #include "libhdr/probe/photographer.h"  // and who stands behind it
 #include "libhdr/probe/reflectance.h"  // what a mirror ball does not give back
 #include "libhdr/probe/projection.h"  // pixels <-> directions
+#include "libhdr/probe/seam.h"  // where one photograph gives way to the next
 #include "libhdr/probe/stitch.h"  // photographs from one point as one sphere
 #include "libhdr/probe/test_chart.h"  // a sphere that says which way round it is
 #include "libhdr/probe/unwrap.h"      // from one projection to another

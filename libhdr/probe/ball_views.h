@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libhdr/core/image.h"
+#include "libhdr/core/radiance.h"
 #include "libhdr/probe/projection.h"
 
 namespace hdr {
@@ -15,6 +16,7 @@ struct BallView {
   bool outline_known = false;   ///< else ball.disc was found, and is known to about half a pixel
   bool distance_known = false;  ///< else ball.distance is a first guess
   View<const float> mask{};     ///< one channel, as large as rgb: 1 keeps a pixel, 0 leaves it out; empty keeps all
+  View<const float> stddev{};   ///< of rgb; empty: not known
 };
 
 struct RegisteredView {
@@ -34,8 +36,9 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& vie
 
 /// One picture of all views in projection `to`: in each direction a mean with weights that fall towards the rims of the
 /// balls and around the directions to the cameras, down to their feet. Where views disagree, the one with the most
-/// weight is believed. What no view shows is 0.
-Image<float> join_ball_views(const std::vector<BallView>& views, const std::vector<RegisteredView>& registered,
-                             const Projection& to, Size size, const Mat3& first_from_probe = Mat3::Identity());
+/// weight is believed. `alpha` is 0 where no view shows anything, and empty where they show all that `to` has room for;
+/// `stddev` is there when all views have it: propagated through kernels, gains and weights, as independent errors.
+RadianceMap join_ball_views(const std::vector<BallView>& views, const std::vector<RegisteredView>& registered,
+                            const Projection& to, Size size, const Mat3& first_from_probe = Mat3::Identity());
 
 }  // namespace hdr

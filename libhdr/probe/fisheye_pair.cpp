@@ -8,7 +8,6 @@
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
 #include "libhdr/core/median.h"
-#include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/overlap_ring.h"
 #include "libhdr/probe/internal/same_pixels.h"
@@ -23,15 +22,6 @@ constexpr int kLeastMatches = 12;
 
 double pixels_per_radian(const Fisheye& lens) {
   return lens.disc.r / (0.5 * lens.fov_degrees * kDegree);
-}
-
-void require_overlap(const Fisheye& front, const Fisheye& back) {
-  require_valid(front);
-  require_valid(back);
-  const double both = front.fov_degrees + back.fov_degrees;
-  if (both > 360) return;
-  throw Error(fmt::format("fisheyes of {} and {} degrees leave a gap between them; give their --fov, above 180",
-                          front.fov_degrees, back.fov_degrees));
 }
 
 /// ln of one over the other where both show something.
@@ -63,6 +53,19 @@ void match_gains(View<const float> front, View<const float> back, FisheyePair& p
 
 }  // namespace
 
+namespace internal {
+
+void require_overlap(const Fisheye& front, const Fisheye& back) {
+  require_valid(front);
+  require_valid(back);
+  const double both = front.fov_degrees + back.fov_degrees;
+  if (both > 360) return;
+  throw Error(fmt::format("fisheyes of {} and {} degrees leave a gap between them; give their --fov, above 180",
+                          front.fov_degrees, back.fov_degrees));
+}
+
+}  // namespace internal
+
 FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, const Fisheye& front_guess,
                                const Fisheye& back_guess) {
   require_overlap(front_guess, back_guess);
@@ -92,50 +95,6 @@ FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, 
   pair.residual_degrees = residual / kDegree;
   match_gains(front, back, pair);
   return pair;
-}
-
-Image<float> merge_fisheye_pair(View<const float> front, View<const float> back, const FisheyePair& pair, int width,
-                                const Mat3& pair_from_probe, double feather_degrees) {
-  const Size size{width, std::max(1, width / 2)};
-  const LatLong latlong{size};
-  const Ring ring = ring_of(pair.views[0], pair.views[1], 0.5 * pixels_per_radian(pair.views[0].lens));
-  require_overlap(pair.views[0].lens, pair.views[1].lens);
-  std::vector<double> seam(static_cast<std::size_t>(std::max(1, ring.width)), 0.5 * ring.height);
-  if (ring.height > 0) seam = best_seam(unroll(front, pair.views[0], ring), unroll(back, pair.views[1], ring));
-
-  Image<float> sphere =
-      resample(front, pair.views[0].lens, latlong, size, pair.views[0].probe_from_view.transpose() * pair_from_probe);
-  const Image<float> other =
-      resample(back, pair.views[1].lens, latlong, size, pair.views[1].probe_from_view.transpose() * pair_from_probe);
-  const double front_rim = 0.5 * pair.views[0].lens.fov_degrees * kDegree;
-  const double feather = std::max(feather_degrees * kDegree, 1e-6);
-  for_rows(size.height, 16, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < width; ++x) {
-        const Vec3 d = pair_from_probe * dir_from_latlong((x + 0.5) / width, (y + 0.5) / size.height);
-        const double angle = std::atan2(std::hypot(d.x(), d.y()), d.z());
-        double border = 0.5 * kPi;
-        if (ring.height > 0) {
-          const double column = ring.px_of(d).x() - 0.5, left = std::floor(column), part = column - left;
-          const auto at = [&](double c) {
-            return seam[static_cast<std::size_t>((static_cast<int>(c) % ring.width + ring.width) % ring.width)];
-          };
-          border = ring.angle_of_row((1 - part) * at(left) + part * at(left + 1));
-        }
-        double of_back = std::clamp((angle - border) / feather + 0.5, 0.0, 1.0);
-        // Where only one shows anything it shows all.
-        const Vec3 in_back = pair.views[1].probe_from_view.transpose() * d;
-        const double back_angle = std::atan2(std::hypot(in_back.x(), in_back.y()), in_back.z());
-        if (angle > front_rim) of_back = 1;
-        if (back_angle > 0.5 * pair.views[1].lens.fov_degrees * kDegree) of_back = 0;
-        const double a = (1 - of_back) * pair.views[0].gain, b = of_back * pair.views[1].gain;
-        for (int c = 0; c < sphere.channels(); ++c) {
-          sphere(x, y, c) = static_cast<float>(a * sphere(x, y, c) + b * other(x, y, c));
-        }
-      }
-    }
-  });
-  return sphere;
 }
 
 }  // namespace hdr

@@ -2,8 +2,9 @@
 // Two fisheye photographs back to back, each of more than half the sphere, as one.
 #include <array>
 
-#include "libhdr/core/image.h"
+#include "libhdr/core/radiance.h"
 #include "libhdr/probe/projection.h"
+#include "libhdr/probe/seam.h"
 
 namespace hdr {
 
@@ -31,9 +32,21 @@ struct FisheyePair {
 FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, const Fisheye& front_guess,
                                const Fisheye& back_guess);
 
+/// A photograph to be merged: linear radiance of three channels, with its standard deviation where that is known.
+struct PairPhoto {
+  View<const float> rgb, stddev{};
+};
+
+struct PairMergeOptions {
+  Seam seam = Seam::kFeather;
+  double feather_degrees = 1;
+};
+
 /// The sphere of both as a lat-long of width x width/2. Between them runs the closed seam around the ring along which
-/// they differ least (dynamic programming, as [Davis98] does with Dijkstra's), feathered over `feather_degrees`.
-Image<float> merge_fisheye_pair(View<const float> front, View<const float> back, const FisheyePair& pair, int width,
-                                const Mat3& pair_from_probe = Mat3::Identity(), double feather_degrees = 1);
+/// they differ least (dynamic programming, as [Davis98] does with Dijkstra's), feathered over `feather_degrees`; or,
+/// with Seam::kCut, the seams of a graph cut. `alpha` is 0 where neither shows anything, and empty where they show all;
+/// `stddev` is there when both have it, propagated through kernels, gains and weights.
+RadianceMap merge_fisheye_pair(const PairPhoto& front, const PairPhoto& back, const FisheyePair& pair, int width,
+                               const Mat3& pair_from_probe = Mat3::Identity(), const PairMergeOptions& options = {});
 
 }  // namespace hdr

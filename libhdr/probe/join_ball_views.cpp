@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
@@ -33,49 +35,124 @@ bool disagree(const std::vector<double>& weights, const std::vector<double>& lig
   return most > least * std::exp(most_log_ratio);
 }
 
+constexpr int kBand = 4 * Resampler::kGrain;
+
+/// One view, resampled a band at a time.
+struct Source {
+  BallView view;
+  double gain;
+  Mat3 view_from_probe;
+  Resampler resampler;
+  Image<float> rgb, stddev;
+
+  Source(const BallView& given, const RegisteredView& registered, const Projection& to, Size size,
+         const Mat3& first_from_probe)
+      : view(with_ball(given, registered.ball)),
+        gain(registered.gain),
+        view_from_probe(registered.probe_from_view.transpose() * first_from_probe),
+        resampler(given.rgb, registered.ball, to, size, view_from_probe, given.stddev),
+        rgb(size.width, kBand, given.rgb.channels()) {
+    if (!given.stddev.empty()) stddev = Image<float>(size.width, kBand, given.stddev.channels());
+  }
+  static BallView with_ball(BallView view, const MirrorBall& ball) {
+    view.ball = ball;
+    return view;
+  }
+
+  void read(int first, int count) {
+    resampler.rows(first, {rgb.view().rows(0, count), {}, stddev.empty() ? View<float>() : stddev.view().rows(0, count)});
+  }
+};
+
+/// Joins rows of bands.
+class Joiner {
+ public:
+  Joiner(const std::vector<std::unique_ptr<Source>>& sources, const Projection& to, double most_log_ratio,
+         RadianceMap& map)
+      : sources_(sources),
+        to_(to),
+        most_log_ratio_(most_log_ratio),
+        map_(map),
+        weights_(sources.size()),
+        light_(sources.size()) {}
+
+  /// Row `y` of the band that begins at row `top`; whether all of what it has room for is shown.
+  bool join(int top, int y) {
+    bool all = true;
+    for (int x = 0; x < map_.rgb.width(); ++x) {
+      const auto dir = dir_from_px(to_, {x + 0.5, top + y + 0.5});
+      if (!dir) continue;
+      for (std::size_t k = 0; k < sources_.size(); ++k) {
+        const Source& source = *sources_[k];
+        weights_[k] = weight_of(source.view, source.view_from_probe * *dir);
+        const float* p = source.rgb.pixel(x, y);
+        light_[k] = source.gain * static_cast<double>(luminance(p[0], p[1], p[2]));
+      }
+      if (disagree(weights_, light_, most_log_ratio_)) {
+        for (double& w : weights_) w *= w * w * w;
+      }
+      const double total = std::accumulate(weights_.begin(), weights_.end(), 0.0);
+      all &= total > 0;
+      if (total > 0) write(x, y, top + y, total);
+    }
+    return all;
+  }
+
+ private:
+  void write(int x, int band_y, int y, double total) {
+    map_.alpha(x, y) = 1;
+    for (int c = 0; c < map_.rgb.channels(); ++c) {
+      double sum = 0, variance = 0;
+      for (std::size_t k = 0; k < sources_.size(); ++k) {
+        const double w = weights_[k] / total * sources_[k]->gain;
+        sum += w * static_cast<double>(sources_[k]->rgb(x, band_y, c));
+        if (map_.stddev.empty()) continue;
+        const double deviation = w * static_cast<double>(sources_[k]->stddev(x, band_y, c));
+        variance += deviation * deviation;
+      }
+      map_.rgb(x, y, c) = static_cast<float>(sum);
+      if (!map_.stddev.empty()) map_.stddev(x, y, c) = static_cast<float>(std::sqrt(variance));
+    }
+  }
+
+  const std::vector<std::unique_ptr<Source>>& sources_;
+  const Projection& to_;
+  double most_log_ratio_;
+  RadianceMap& map_;
+  std::vector<double> weights_, light_;
+};
+
 }  // namespace
 
-Image<float> join_ball_views(const std::vector<BallView>& views, const std::vector<RegisteredView>& registered,
-                             const Projection& to, Size size, const Mat3& first_from_probe) {
+RadianceMap join_ball_views(const std::vector<BallView>& views, const std::vector<RegisteredView>& registered,
+                            const Projection& to, Size size, const Mat3& first_from_probe) {
   HDR_ASSERT(!views.empty() && views.size() == registered.size());
-  std::vector<BallView> seen = views;
-  std::vector<Image<float>> pictures;
-  std::vector<Mat3> view_from_probe;
-  for (std::size_t k = 0; k < views.size(); ++k) {
-    seen[k].ball = registered[k].ball;
-    view_from_probe.push_back(registered[k].probe_from_view.transpose() * first_from_probe);
-    pictures.push_back(resample(views[k].rgb, seen[k].ball, to, size, view_from_probe.back()));
-  }
+  std::vector<std::unique_ptr<Source>> sources;
   double most_log_ratio = 0.4;
-  for (const RegisteredView& view : registered) most_log_ratio = std::max(most_log_ratio, 4 * view.overlap_rms);
-  Image<float> result(size, views.front().rgb.channels());
-  for_rows(size.height, 8, [&](int first, int last) {
-    std::vector<double> weights(views.size()), light(views.size());
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < size.width; ++x) {
-        const auto dir = dir_from_px(to, {x + 0.5, y + 0.5});
-        if (!dir) continue;
-        double total = 0;
-        for (std::size_t k = 0; k < views.size(); ++k) {
-          weights[k] = weight_of(seen[k], view_from_probe[k] * *dir);
-          const float* p = pictures[k].pixel(x, y);
-          light[k] = registered[k].gain * static_cast<double>(luminance(p[0], p[1], p[2]));
-        }
-        if (disagree(weights, light, most_log_ratio)) {
-          for (double& w : weights) w *= w * w * w;
-        }
-        for (const double w : weights) total += w;
-        if (total <= 0) continue;
-        for (int c = 0; c < result.channels(); ++c) {
-          double sum = 0;
-          for (std::size_t k = 0; k < views.size(); ++k)
-            sum += weights[k] * registered[k].gain * static_cast<double>(pictures[k](x, y, c));
-          result(x, y, c) = static_cast<float>(sum / total);
-        }
-      }
-    }
-  });
-  return result;
+  bool doubts = true, whole = true;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    sources.push_back(std::make_unique<Source>(views[k], registered[k], to, size, first_from_probe));
+    most_log_ratio = std::max(most_log_ratio, 4 * registered[k].overlap_rms);
+    doubts &= !views[k].stddev.empty();
+  }
+  RadianceMap map;
+  map.rgb = Image<float>(size, views.front().rgb.channels());
+  map.alpha = Image<float>(size, 1);
+  if (doubts) map.stddev = Image<float>(size, map.rgb.channels());
+  map.projection = text_from_projection(to);
+  for (int top = 0; top < size.height; top += kBand) {
+    const int count = std::min(kBand, size.height - top);
+    for (const auto& source : sources) source->read(top, count);
+    const auto join_rows = [&](int first, int last) {
+      Joiner joiner(sources, to, most_log_ratio, map);
+      int all = 1;
+      for (int y = first; y < last; ++y) all &= joiner.join(top, y) ? 1 : 0;
+      return all;
+    };
+    whole &= reduce_rows(count, 4, 1, join_rows, [](int& total, int part) { total &= part; }) == 1;
+  }
+  if (whole) map.alpha = {};
+  return map;
 }
 
 }  // namespace hdr

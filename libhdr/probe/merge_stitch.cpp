@@ -8,6 +8,7 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/seam_cut.h"
 #include "libhdr/probe/stitch.h"
 #include "libhdr/probe/unwrap.h"
 
@@ -25,29 +26,26 @@ struct Source {
   const StitchedPhoto* view;
   Mat3 view_from_probe;
   Resampler rgb;
-  std::optional<Resampler> alpha, stddev;
+  std::optional<Resampler> alpha;
   Image<float> rgb_band, alpha_band, stddev_band;
 
   Source(const StitchPhoto& given, const StitchedPhoto& solved, Size size, const Mat3& stitch_from_probe)
       : photo(&given),
         view(&solved),
         view_from_probe(solved.probe_from_view.transpose() * stitch_from_probe),
-        rgb(given.rgb, solved.lens, LatLong{size}, size, view_from_probe),
+        rgb(given.rgb, solved.lens, LatLong{size}, size, view_from_probe, given.stddev),
         rgb_band(size.width, kBand, 3) {
     if (!given.alpha.empty()) {
       alpha.emplace(given.alpha, solved.lens, LatLong{size}, size, view_from_probe);
       alpha_band = Image<float>(size.width, kBand, 1);
     }
-    if (!given.stddev.empty()) {
-      stddev.emplace(given.stddev, solved.lens, LatLong{size}, size, view_from_probe);
-      stddev_band = Image<float>(size.width, kBand, 3);
-    }
+    if (!given.stddev.empty()) stddev_band = Image<float>(size.width, kBand, 3);
   }
 
   void read(int first, int count) {
-    rgb.rows(first, rgb_band.view().rows(0, count));
-    if (alpha) alpha->rows(first, alpha_band.view().rows(0, count));
-    if (stddev) stddev->rows(first, stddev_band.view().rows(0, count));
+    const auto rows = [&](Image<float>& band) { return band.empty() ? View<float>() : band.view().rows(0, count); };
+    rgb.rows(first, {rows(rgb_band), {}, rows(stddev_band)});
+    if (alpha) alpha->rows(first, rows(alpha_band));
   }
 };
 
@@ -107,20 +105,131 @@ void share_out(std::vector<Say>& says, double most_log_ratio) {
   for (Say& say : says) say.weight /= total;
 }
 
-}  // namespace
+using Sources = std::vector<std::unique_ptr<Source>>;
 
-RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& stitch, int width,
-                         const Mat3& stitch_from_probe) {
-  HDR_ASSERT(photos.size() == stitch.photos.size() && width > 1);
-  const Size size{width, width / 2};
-  std::vector<std::unique_ptr<Source>> sources;
-  bool doubts = true;
+Sources sources_of(const std::vector<StitchPhoto>& photos, const Stitch& stitch, Size size,
+                   const Mat3& stitch_from_probe) {
+  Sources sources;
   for (std::size_t k = 0; k < photos.size(); ++k) {
     if (!stitch.photos[k].used) continue;
     sources.push_back(std::make_unique<Source>(photos[k], stitch.photos[k], size, stitch_from_probe));
-    doubts &= sources.back()->stddev.has_value();
   }
-  const double most_log_ratio = std::max(0.15, 4 * stitch.overlap_rms);
+  return sources;
+}
+
+/// The photographs' parts of the sphere. What is clipped, or near a photograph's border, is used where there is nothing
+/// better.
+internal::SeamCut cut(const std::vector<StitchPhoto>& photos, const Stitch& stitch, int width,
+                      const Mat3& stitch_from_probe) {
+  constexpr int kMostColumns = 640;
+  const int columns = std::min(width, kMostColumns);
+  const Size size{columns, std::max(2, columns / 2)};
+  std::vector<internal::SeamLayer> layers;
+  for (auto& source : sources_of(photos, stitch, size, stitch_from_probe)) {
+    internal::SeamLayer layer{Image<float>(size, 3), Image<float>(size, 1), Image<float>(size, 1)};
+    for (int top = 0; top < size.height; top += kBand) {
+      const int count = std::min(kBand, size.height - top);
+      source->read(top, count);
+      for (int y = 0; y < count; ++y) {
+        for (int x = 0; x < columns; ++x) {
+          const Vec3 dir = dir_from_latlong((x + 0.5) / columns, (top + y + 0.5) / size.height);
+          const auto say = say_of(*source, stitch.vignetting, dir, x, y);
+          if (!say) continue;
+          layer.shown(x, top + y) = 1;
+          layer.cost(x, top + y) = say->clipped ? 1.0f : static_cast<float>(0.2 * (1 - say->weight));
+          for (int c = 0; c < 3; ++c) {
+            layer.rgb(x, top + y, c) = static_cast<float>(say->scale) * source->rgb_band(x, y, c);
+          }
+        }
+      }
+    }
+    layers.push_back(std::move(layer));
+  }
+  return internal::SeamCut(layers);
+}
+
+/// Weights sum to 1: the parts that the cut gave, and where it gave none the rest.
+void share_by_cut(std::vector<Say>& says, const std::vector<std::size_t>& which, const internal::SeamCut& seams,
+                  const Vec2& uv) {
+  double total = 0;
+  for (std::size_t i = 0; i < says.size(); ++i) {
+    constexpr double kElse = 1e-6;
+    const double share = seams.share(which[i], uv) * (says[i].clipped ? kClippedSay : 1);
+    total += says[i].weight = share + kElse * says[i].weight;
+  }
+  for (Say& say : says) say.weight /= total;
+}
+
+/// Joins bands of the sphere.
+class Joiner {
+ public:
+  Joiner(const Sources& sources, const Stitch& stitch, const std::optional<internal::SeamCut>& seams, RadianceMap& map)
+      : sources_(sources), stitch_(stitch), seams_(seams), map_(map) {}
+
+  /// Row `y` of the band that begins at row `top`; whether all of it is shown.
+  bool join(int top, int y) {
+    const double most_log_ratio = std::max(0.15, 4 * stitch_.overlap_rms);
+    const Size size = map_.rgb.size();
+    bool all = true;
+    for (int x = 0; x < size.width; ++x) {
+      const Vec2 uv((x + 0.5) / size.width, (top + y + 0.5) / size.height);
+      const Vec3 dir = dir_from_latlong(uv.x(), uv.y());
+      says_.clear();
+      which_.clear();
+      for (std::size_t k = 0; k < sources_.size(); ++k) {
+        const auto say = say_of(*sources_[k], stitch_.vignetting, dir, x, y);
+        if (!say) continue;
+        says_.push_back(*say);
+        which_.push_back(k);
+      }
+      all &= !says_.empty();
+      if (says_.empty()) continue;
+      keep_greatest_bound(says_);
+      if (seams_ && says_.size() > 1) {
+        share_by_cut(says_, which_, *seams_, uv);
+      } else {
+        share_out(says_, most_log_ratio);
+      }
+      map_.alpha(x, top + y) = 1;
+      write(x, y, top + y);
+    }
+    return all;
+  }
+
+ private:
+  void write(int x, int band_y, int y) {
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0, variance = 0;
+      for (const Say& say : says_) {
+        const double w = say.weight * say.scale;
+        sum += w * static_cast<double>(say.source->rgb_band(x, band_y, c));
+        if (map_.stddev.empty()) continue;
+        const double deviation = w * static_cast<double>(say.source->stddev_band(x, band_y, c));
+        variance += deviation * deviation;
+      }
+      map_.rgb(x, y, c) = static_cast<float>(sum);
+      if (!map_.stddev.empty()) map_.stddev(x, y, c) = static_cast<float>(std::sqrt(variance));
+    }
+  }
+
+  const Sources& sources_;
+  const Stitch& stitch_;
+  const std::optional<internal::SeamCut>& seams_;
+  RadianceMap& map_;
+  std::vector<Say> says_;
+  std::vector<std::size_t> which_;
+};
+
+}  // namespace
+
+RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& stitch, int width,
+                         const Mat3& stitch_from_probe, Seam seam) {
+  HDR_ASSERT(photos.size() == stitch.photos.size() && width > 1);
+  const Size size{width, width / 2};
+  std::optional<internal::SeamCut> seams;
+  if (seam == Seam::kCut) seams.emplace(cut(photos, stitch, width, stitch_from_probe));
+  const Sources sources = sources_of(photos, stitch, size, stitch_from_probe);
+  const bool doubts = std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s->stddev_band.empty(); });
   RadianceMap map;
   map.rgb = Image<float>(size, 3);
   map.alpha = Image<float>(size, 1);
@@ -129,42 +238,14 @@ RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& s
   bool whole = true;
   for (int top = 0; top < size.height; top += kBand) {
     const int count = std::min(kBand, size.height - top);
-    for (auto& source : sources) source->read(top, count);
-    const int band_is_whole = reduce_rows(
-        count, 4, 1,
-        [&](int first, int last) {
-          bool all = true;
-          std::vector<Say> says;
-          for (int y = first; y < last; ++y) {
-            for (int x = 0; x < width; ++x) {
-              const Vec3 dir = dir_from_latlong((x + 0.5) / width, (top + y + 0.5) / size.height);
-              says.clear();
-              for (const auto& source : sources) {
-                if (const auto say = say_of(*source, stitch.vignetting, dir, x, y)) says.push_back(*say);
-              }
-              all &= !says.empty();
-              if (says.empty()) continue;
-              keep_greatest_bound(says);
-              share_out(says, most_log_ratio);
-              map.alpha(x, top + y) = 1;
-              for (int c = 0; c < 3; ++c) {
-                double sum = 0, variance = 0;
-                for (const Say& say : says) {
-                  const double w = say.weight * say.scale;
-                  sum += w * static_cast<double>(say.source->rgb_band(x, y, c));
-                  if (!doubts) continue;
-                  const double deviation = w * static_cast<double>(say.source->stddev_band(x, y, c));
-                  variance += deviation * deviation;
-                }
-                map.rgb(x, top + y, c) = static_cast<float>(sum);
-                if (doubts) map.stddev(x, top + y, c) = static_cast<float>(std::sqrt(variance));
-              }
-            }
-          }
-          return all ? 1 : 0;
-        },
-        [](int& total, int part) { total &= part; });
-    whole = whole && band_is_whole == 1;
+    for (const auto& source : sources) source->read(top, count);
+    const auto join_rows = [&](int first, int last) {
+      Joiner joiner(sources, stitch, seams, map);
+      int all = 1;
+      for (int y = first; y < last; ++y) all &= joiner.join(top, y) ? 1 : 0;
+      return all;
+    };
+    whole &= reduce_rows(count, 4, 1, join_rows, [](int& total, int part) { total &= part; }) == 1;
   }
   if (whole) map.alpha = {};
   return map;

@@ -49,6 +49,7 @@ Neighbourhood::Neighbourhood(View<const float> pixels, const Projection& project
     : pixels_(pixels), projection_(projection), kind_(Kind::kPlain) {
   boxes_ = {{0, 0, pixels.width(), pixels.height()}};
   if (std::holds_alternative<LatLong>(projection)) kind_ = Kind::kLatLong;
+  if (const auto* map = std::get_if<Panorama>(&projection); map && map->closes()) kind_ = Kind::kAround;
   if (std::holds_alternative<Octahedral>(projection)) kind_ = Kind::kOctahedral;
   if (const auto disc = disc_of(projection)) {
     kind_ = std::holds_alternative<AngularMap>(projection) ? Kind::kContinued : Kind::kDisc;
@@ -141,6 +142,9 @@ bool Neighbourhood::tap(int region, int x, int y, float* value) const {
       x %= width;
       return copy(x < 0 ? x + width : x, y, value);
     }
+    case Kind::kAround:
+      x %= width;
+      return copy(x < 0 ? x + width : x, std::clamp(y, 0, height - 1), value);
     case Kind::kOctahedral: {
       // Each edge is folded in its middle.
       const auto fold = [](int& across, int& along, int size) {

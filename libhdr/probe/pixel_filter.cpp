@@ -26,7 +26,7 @@ PixelFilter::PixelFilter(const Neighbourhood& source, const SourcePicture& bilin
       sum_(static_cast<std::size_t>(source.pixels().channels())),
       value_(sum_.size()) {}
 
-template <class Kernel>
+template <PixelFilter::Of kOf, class Kernel>
 PixelFilter::Sums PixelFilter::add(int region, const Vec2& px, const KernelShape& shape) {
   const View<const float> pixels = source_.pixels();
   const double x = px.x() - 0.5, y = px.y() - 0.5;
@@ -63,7 +63,10 @@ PixelFilter::Sums PixelFilter::add(int region, const Vec2& px, const KernelShape
         continue;
       }
       sums.weight += weight;
-      for (int c = 0; c < channels; ++c) sum_[static_cast<std::size_t>(c)] += weight * static_cast<double>(value[c]);
+      for (int c = 0; c < channels; ++c) {
+        const double term = weight * static_cast<double>(value[c]);
+        sum_[static_cast<std::size_t>(c)] += kOf == Of::kValues ? term : term * term;
+      }
     }
   }
   return sums;
@@ -84,7 +87,8 @@ bool PixelFilter::is_harsh(const PixelBox& box) const {
          (box.last_x > width && contrast_.harsh(0, box.first_y, box.last_x - 1 - width, box.last_y - 1));
 }
 
-void PixelFilter::write(int region, const Vec2& px, const KernelShape& shape, double scale, float* mean) {
+template <PixelFilter::Of kOf>
+PixelFilter::Sums PixelFilter::add_chosen(int region, const Vec2& px, const KernelShape& shape, double scale) {
   constexpr double kLeastShown = 0.25;
   Sums sums;
   const PixelBox box = seen(px, shape);
@@ -92,20 +96,48 @@ void PixelFilter::write(int region, const Vec2& px, const KernelShape& shape, do
   const bool narrow = source_.is_latlong() && source_.pixels().width() < 2 * InterpolatingKernel::kReach;
   bool sharp = !narrow && !is_harsh(box) && !(source_.ends_at_rim() && !source_.is_plain(region, box));
   if (sharp) {
-    sums = scale <= kHarmlessScale ? add<InterpolatingKernel>(region, px, {}) : add<SharpKernel>(region, px, shape);
+    sums = scale <= kHarmlessScale ? add<kOf, InterpolatingKernel>(region, px, {})
+                                   : add<kOf, SharpKernel>(region, px, shape);
     sharp = !sums.missing;  // at a rim what is left of a kernel with negative lobes is no mean
   }
-  if (!sharp) sums = add<TentKernel>(region, px, shape);
+  if (!sharp) sums = add<kOf, TentKernel>(region, px, shape);
   if (!(sums.weight > kLeastShown * sums.whole_weight) || !(sums.weight > 0)) {
     std::fill(sum_.begin(), sum_.end(), 0.0);
     bilinear_.add(px, sum_.data());
     sums.weight = 1;
+    if (kOf == Of::kDeviations) {
+      for (double& sum : sum_) sum *= sum;
+    }
   }
+  return sums;
+}
+
+void PixelFilter::write(int region, const Vec2& px, const KernelShape& shape, double scale, float* mean) {
+  const Sums sums = add_chosen<Of::kValues>(region, px, shape, scale);
   const bool keep_positive = contrast_.nonnegative();
   for (std::size_t c = 0; c < sum_.size(); ++c) {
     const double value = sum_[c] / sums.weight;
     mean[c] = static_cast<float>(keep_positive ? std::max(0.0, value) : value);
   }
+}
+
+void PixelFilter::write_root(const Sums& sums, float* deviation) const {
+  for (std::size_t c = 0; c < sum_.size(); ++c) deviation[c] = static_cast<float>(std::sqrt(sum_[c]) / sums.weight);
+}
+
+void PixelFilter::write_deviation(int region, const Vec2& px, const KernelShape& shape, double scale,
+                                  float* deviation) {
+  write_root(add_chosen<Of::kDeviations>(region, px, shape, scale), deviation);
+}
+
+void PixelFilter::write_deviation(KernelKind kind, int region, const Vec2& px, const KernelShape& shape,
+                                  float* deviation) {
+  constexpr Of kOf = Of::kDeviations;
+  const Sums sums = kind == KernelKind::kSharp  ? add<kOf, SharpKernel>(region, px, shape)
+                    : kind == KernelKind::kTent ? add<kOf, TentKernel>(region, px, shape)
+                    : kind == KernelKind::kSpline ? add<kOf, CardinalSplineKernel>(region, px, {})
+                                                : add<kOf, InterpolatingKernel>(region, px, {});
+  write_root(sums, deviation);
 }
 
 }  // namespace hdr::internal

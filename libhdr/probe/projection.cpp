@@ -1,7 +1,11 @@
 #include "libhdr/probe/projection.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
+#include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
 
 namespace hdr {
@@ -24,6 +28,40 @@ std::optional<Vec2> LatLong::px_from_dir(const Vec3& dir) const {
   const Vec2 uv =
       latlong_from_dir(convention == Convention::kOpenExr ? dir : Vec3(openexr_from_convention(convention) * dir));
   return Vec2(uv.x() * size.width, uv.y() * size.height);
+}
+
+std::optional<Vec3> Panorama::dir_from_px(const Vec2& px) const {
+  if (!inside_frame(px, size)) return std::nullopt;
+  const double azimuth = (azimuth_degrees + (px.x() / size.width - 0.5) * fov_degrees) * kDegree;  // to the right
+  const double elevation = (elevation_degrees + (0.5 - px.y() / size.height) * vfov_degrees) * kDegree;
+  const double level = std::cos(elevation);
+  return Vec3(-level * std::sin(azimuth), std::sin(elevation), level * std::cos(azimuth));
+}
+
+std::optional<Vec2> Panorama::px_from_dir(const Vec3& dir) const {
+  constexpr double kRounding = 1e-12;
+  const double azimuth = std::atan2(-dir.x(), dir.z()) / kDegree;
+  const double elevation = std::atan2(dir.y(), std::hypot(dir.x(), dir.z())) / kDegree;
+  const double right = std::remainder(azimuth - azimuth_degrees, 360.0) / fov_degrees;
+  const double down = (elevation_degrees - elevation) / vfov_degrees;
+  if (!(std::abs(right) <= 0.5 + kRounding && std::abs(down) <= 0.5 + kRounding)) return std::nullopt;
+  return Vec2(std::clamp(0.5 + right, 0.0, 1.0) * size.width, std::clamp(0.5 + down, 0.0, 1.0) * size.height);
+}
+
+Panorama cropped(const Panorama& panorama, int x, int y, Size size) {
+  const Size all = panorama.size;
+  if (x < 0 || y < 0 || size.width < 1 || size.height < 1 || x + size.width > all.width ||
+      y + size.height > all.height) {
+    throw Error(fmt::format("crop: {}x{} pixels at {},{} are not inside of the {}x{} picture; give X,Y,W,H in pixels",
+                            size.width, size.height, x, y, all.width, all.height));
+  }
+  Panorama part = panorama;
+  part.size = size;
+  part.fov_degrees = panorama.fov_degrees * size.width / all.width;
+  part.vfov_degrees = panorama.vfov_degrees * size.height / all.height;
+  part.azimuth_degrees += ((x + 0.5 * size.width) / all.width - 0.5) * panorama.fov_degrees;
+  part.elevation_degrees -= ((y + 0.5 * size.height) / all.height - 0.5) * panorama.vfov_degrees;
+  return part;
 }
 
 std::optional<Vec3> AngularMap::dir_from_px(const Vec2& px) const {
@@ -73,6 +111,7 @@ std::optional<Disc> disc_of(const Projection& projection) {
 
 bool shows_whole_sphere(const Projection& projection) {
   if (const auto* lens = std::get_if<Fisheye>(&projection)) return lens->fov_degrees >= 360;
+  if (const auto* part = std::get_if<Panorama>(&projection)) return part->closes() && part->vfov_degrees >= 180;
   return !std::holds_alternative<Rectilinear>(projection) && !std::holds_alternative<Hemisphere>(projection);
 }
 

@@ -34,6 +34,24 @@ struct LatLong {
   std::optional<Vec2> px_from_dir(const Vec3& dir) const;
 };
 
+/// A lat-long of a part of the sphere, as panoramic cameras scan it: `fov_degrees` of azimuth by `vfov_degrees` of
+/// elevation around a middle that lies `azimuth_degrees` to the right of +Z and `elevation_degrees` above the horizon.
+/// All around, its left and right borders meet.
+struct Panorama {
+  static constexpr const char* kName = "panorama";
+  Size size;
+  double fov_degrees = 360;   ///< in (0, 360]
+  double vfov_degrees = 180;  ///< in (0, 180]; neither border may lie beyond a pole
+  double azimuth_degrees = 0, elevation_degrees = 0;
+  std::optional<Vec3> dir_from_px(const Vec2& px) const;
+  std::optional<Vec2> px_from_dir(const Vec3& dir) const;
+
+  bool closes() const { return fov_degrees >= 360; }
+};
+
+/// What a rectangle of the picture shows: x, y its upper left pixel. Error when it is not inside the picture.
+Panorama cropped(const Panorama& panorama, int x, int y, Size size);
+
 /// Debevec's angular map: radius = angle from +Z / pi, the rim is -Z.
 struct AngularMap {
   static constexpr const char* kName = "angular";
@@ -158,7 +176,8 @@ struct DualParaboloid {
 };
 
 using Projection =
-    std::variant<LatLong, AngularMap, MirrorBall, Rectilinear, Fisheye, Cube, Octahedral, Hemisphere, DualParaboloid>;
+    std::variant<LatLong, Panorama, AngularMap, MirrorBall, Rectilinear, Fisheye, Cube, Octahedral, Hemisphere,
+                 DualParaboloid>;
 
 std::optional<Vec3> dir_from_px(const Projection& projection, const Vec2& px);
 std::optional<Vec2> px_from_dir(const Projection& projection, const Vec3& dir);
@@ -176,20 +195,21 @@ void require_valid(const Projection& projection);
 bool shows_whole_sphere(const Projection& projection);
 
 /// The text of hdr:projection: "latlong", "angular", "mirror-ball cx=1000.5 cy=750 r=600 distance=20", "rectilinear
-/// fov=60", "fisheye cx=500 cy=500 r=480 fov=190 lens=equisolid", "cube-strip convention=opengl". Numbers survive the
+/// fov=60", "panorama fov=180 vfov=90 azimuth=30 elevation=0", "fisheye cx=500 cy=500 r=480 fov=190 lens=equisolid", "cube-strip convention=opengl". Numbers survive the
 /// round trip exactly. A far camera has no distance; an angular map that fills its square has no disc; what is at its
 /// default is left out.
 std::string text_from_projection(const Projection& projection);
 
 /// A name ("latlong" or "lat-long", "angular", "mirror-ball", "fisheye", "rectilinear", "cube-cross" (the picture's
 /// shape says which), "cube-cross-vertical", "cube-strip" (likewise), "cube-faces", "octahedral", "hemisphere",
-/// "dual-paraboloid") or a text of the above for a picture of this size; parameters that are absent take their defaults
+/// "dual-paraboloid", "panorama") or a text of the above for a picture of this size; parameters that are absent take their defaults
 /// (the inscribed disc, far, 90 degrees, fisheyes 180). nullopt: unknown name or parameter. Error: a geometry that
-/// cannot be, such as a cube whose faces are not square.
+/// cannot be, such as a cube whose faces are not square. A panorama of the whole sphere is a LatLong; without vfov its
+/// pixels are square.
 std::optional<Projection> projection_from_text(const std::string& text, Size size);
 
 /// The projection of this name (as above) and the size of its picture, for a picture of a given width to be written:
-/// discs are inscribed in a square, a lat-long is twice as wide as high, cube-faces are squares of that width, a strip
+/// discs are inscribed in a square, a lat-long is twice as wide as high, a panorama has square pixels at the horizon, cube-faces are squares of that width, a strip
 /// is vertical. nullopt: unknown. Error: a width that faces do not divide.
 struct NewPicture {
   Projection projection;

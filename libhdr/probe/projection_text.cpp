@@ -15,7 +15,7 @@ namespace hdr {
 
 const char* const kProjectionNames =
     "lat-long, angular, mirror-ball, fisheye, rectilinear, cube-cross, cube-strip, cube-faces, octahedral, hemisphere, "
-    "dual-paraboloid";
+    "dual-paraboloid, panorama";
 
 namespace {
 
@@ -32,6 +32,10 @@ std::string text_of(Convention convention) {
 
 std::string text_of(const LatLong& map) {
   return LatLong::kName + text_of(map.convention);
+}
+std::string text_of(const Panorama& map) {
+  return fmt::format("{} fov={} vfov={}", Panorama::kName, map.fov_degrees, map.vfov_degrees) +
+         text_of("azimuth", map.azimuth_degrees) + text_of("elevation", map.elevation_degrees);
 }
 std::string text_of(const AngularMap& map) {
   const bool fills_its_square = map.disc.cx == map.disc.r && map.disc.cy == map.disc.r;
@@ -155,8 +159,19 @@ Rectilinear rectilinear_from(Parameters& parameters, Size size) {
   return camera;
 }
 
+Projection panorama_from(Parameters& parameters, Size size) {
+  Panorama map{size, parameters.number("fov", 360)};
+  map.vfov_degrees = parameters.number("vfov", map.fov_degrees * size.height / std::max(1, size.width));
+  map.azimuth_degrees = parameters.number("azimuth", 0);
+  map.elevation_degrees = parameters.number("elevation", 0);
+  const bool whole = map.fov_degrees == 360 && map.vfov_degrees == 180;
+  if (whole && map.azimuth_degrees == 0 && map.elevation_degrees == 0) return LatLong{size};
+  return map;
+}
+
 std::optional<Projection> projection_from(const std::string& name, Parameters& parameters, Size size) {
   if (name == LatLong::kName || name == "lat-long") return LatLong{size, parameters.convention()};
+  if (name == Panorama::kName) return panorama_from(parameters, size);
   if (name == AngularMap::kName) return AngularMap{parameters.disc(size)};
   if (name == MirrorBall::kName) {
     const Disc disc = parameters.disc(size);
@@ -193,7 +208,8 @@ Size size_of_width(const std::string& name, int width) {
   if (name == "cube-cross") return {width, 3 * face};
   if (name == "cube-cross-vertical") return {width, 4 * face};
   if (is_cube_name(name)) return {width, 6 * face};
-  const bool wide = name == LatLong::kName || name == "lat-long" || name == DualParaboloid::kName;
+  const bool wide =
+      name == LatLong::kName || name == "lat-long" || name == DualParaboloid::kName || name == Panorama::kName;
   return {width, wide ? std::max(1, width / 2) : width};
 }
 
@@ -215,7 +231,16 @@ std::optional<Projection> projection_from_text(const std::string& text, Size siz
 }
 
 std::optional<NewPicture> picture_of_width(const std::string& text, int width) {
-  const Size size = size_of_width(first_word(text), width);
+  Size size = size_of_width(first_word(text), width);
+  if (first_word(text) == Panorama::kName) {
+    // Square pixels at the horizon: as high as its field says, which by default is half as high as wide.
+    const auto part = projection_from_text(text, {width, std::max(1, width / 2)});
+    const auto* map = part ? std::get_if<Panorama>(&*part) : nullptr;
+    if (!map) return part ? std::optional(NewPicture{*part, size}) : std::nullopt;
+    Panorama panorama = *map;
+    panorama.size = size = {width, std::max(1, static_cast<int>(std::lround(width * map->vfov_degrees / map->fov_degrees)))};
+    return NewPicture{panorama, size};
+  }
   auto projection = projection_from_text(text, size);
   if (!projection) return std::nullopt;
   return NewPicture{*projection, size};

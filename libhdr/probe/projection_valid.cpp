@@ -28,6 +28,23 @@ void require(const LatLong& map) {
   }
 }
 
+void require(const Panorama& map) {
+  require_size(map.size, Panorama::kName);
+  if (!std::isfinite(map.azimuth_degrees)) throw Error("panorama: its middle has no azimuth; give degrees");
+  if (!(map.fov_degrees > 0 && map.fov_degrees <= 360)) {
+    throw Error(fmt::format("panorama: a field of {} degrees; a turn has 360: crop away what is shown twice (--crop)",
+                            map.fov_degrees));
+  }
+  constexpr double kRounding = 1e-9;
+  const double top = map.elevation_degrees + 0.5 * map.vfov_degrees;
+  const double bottom = map.elevation_degrees - 0.5 * map.vfov_degrees;
+  if (map.vfov_degrees > 0 && top <= 90 + kRounding && bottom >= -90 - kRounding) return;
+  throw Error(
+      fmt::format("panorama: {} degrees of elevation around {} reach beyond a pole; give --fov, and vfov and elevation "
+                  "where its pixels are not square or the horizon is not in its middle",
+                  map.vfov_degrees, map.elevation_degrees));
+}
+
 void require(const AngularMap& map) {
   require_disc(map.disc, AngularMap::kName);
 }

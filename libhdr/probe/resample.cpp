@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
@@ -48,15 +49,25 @@ struct Shared {
         coordinates(neighbourhood, to, source_from_probe, size) {}
 };
 
-/// One thread's work on tiles of the rows from `first_row` on, which `output` has.
+/// The standard deviations of the source.
+struct Doubts {
+  Neighbourhood neighbourhood;
+  SourcePicture bilinear;
+  Doubts(View<const float> stddev, const Projection& from) : neighbourhood(stddev, from), bilinear(stddev, from) {}
+};
+
+/// One thread's work on tiles of the rows from `first_row` on, which `band` has.
 class TileWorker {
  public:
-  TileWorker(const Shared& job, View<float> output, int first_row)
+  TileWorker(const Shared& job, const Doubts* doubts, const Resampler::Band& band, int first_row)
       : job_(job),
-        output_(output),
+        band_(band),
+        output_(band.values),
         first_row_(first_row),
         filter_(job.neighbourhood, job.bilinear, job.contrast),
-        kernels_(job.neighbourhood, job.contrast) {}
+        kernels_(job.neighbourhood, job.contrast) {
+    if (doubts && !band.stddev.empty()) doubts_.emplace(doubts->neighbourhood, doubts->bilinear, job.contrast);
+  }
 
   /// A tile that bends too much is tried again in quarters, the smallest pixel
   /// by pixel.
@@ -75,6 +86,7 @@ class TileWorker {
 
  private:
   void write_smooth(const Tile& tile, const TilePolynomial& polynomial) {
+    mark(tile, 1);
     kernels_.choose(tile, polynomial, output_.channels() == 3);
     const TilePixels& pixels = kernels_.pixels();
     const View<const float> source = job_.neighbourhood.pixels();
@@ -86,6 +98,7 @@ class TileWorker {
         filter_.write(polynomial.region, Vec2(pixels.x[index] + 0.5, pixels.y[index] + 0.5), kernels_.shape_of(index),
                       static_cast<double>(pixels.scale[index]), out + k * output_.channels());
       }
+      if (doubts_) write_doubts(tile, polynomial.region, row);
       if (output_.channels() != 3) continue;
       filter_row({source.data(), source.stride(), &pixels, kernels_.kinds(), row * Tile::kSide, tile.width,
                   job_.contrast.nonnegative() ? 0.0f : -std::numeric_limits<float>::infinity(), &kernels_.spline()},
@@ -93,7 +106,35 @@ class TileWorker {
     }
   }
 
+  /// Under the kernels that the values have.
+  void write_doubts(const Tile& tile, int region, int row) {
+    const TilePixels& pixels = kernels_.pixels();
+    float* out = band_.stddev.pixel(tile.first_x, tile.first_y - first_row_ + row);
+    for (int k = 0; k < tile.width; ++k, out += band_.stddev.channels()) {
+      const int index = row * Tile::kSide + k;
+      const Vec2 px(pixels.x[index] + 0.5, pixels.y[index] + 0.5);
+      const KernelKind kind = kernels_.kinds()[index];
+      if (kind == KernelKind::kNone) {
+        doubts_->write_deviation(region, px, kernels_.shape_of(index), static_cast<double>(pixels.scale[index]), out);
+      } else {
+        doubts_->write_deviation(kind, region, px, kernels_.shape_of(index), out);
+      }
+    }
+  }
+
+  void mark(const Tile& tile, float shown) {
+    if (band_.shown.empty()) return;
+    for (int row = 0; row < tile.height; ++row) {
+      std::fill_n(band_.shown.pixel(tile.first_x, tile.first_y - first_row_ + row), tile.width, shown);
+    }
+  }
+
   void leave_black(const Tile& tile) {
+    mark(tile, 0);
+    for (int row = 0; doubts_ && row < tile.height; ++row) {
+      std::fill_n(band_.stddev.pixel(tile.first_x, tile.first_y - first_row_ + row),
+                  tile.width * band_.stddev.channels(), 0.0f);
+    }
     for (int row = 0; row < tile.height; ++row) {
       std::fill_n(output_.pixel(tile.first_x, tile.first_y - first_row_ + row), tile.width * output_.channels(), 0.0f);
     }
@@ -108,17 +149,24 @@ class TileWorker {
           leave_black({x, y, 1, 1});
           continue;
         }
-        filter_.write(job_.neighbourhood.region_of(place->px), place->px,
-                      kernel_shape(place->x_u, place->x_v, place->y_u, place->y_v),
-                      largest_axis(place->x_u, place->x_v, place->y_u, place->y_v), output_.pixel(x, y - first_row_));
+        mark({x, y, 1, 1}, 1);
+        const int region = job_.neighbourhood.region_of(place->px);
+        const KernelShape shape = kernel_shape(place->x_u, place->x_v, place->y_u, place->y_v);
+        const double scale = largest_axis(place->x_u, place->x_v, place->y_u, place->y_v);
+        filter_.write(region, place->px, shape, scale, output_.pixel(x, y - first_row_));
+        if (doubts_) {
+          doubts_->write_deviation(region, place->px, shape, scale, band_.stddev.pixel(x, y - first_row_));
+        }
       }
     }
   }
 
   const Shared& job_;
+  Resampler::Band band_;
   View<float> output_;
   int first_row_;
   PixelFilter filter_;
+  std::optional<PixelFilter> doubts_;
   TileKernels kernels_;
 };
 
@@ -149,43 +197,52 @@ struct Resampler::Job {
   Image<float> three;  ///< of a source with fewer channels
   Size size;
   Shared shared;
+  std::optional<Doubts> doubts;
 
   Job(View<const float> source, const Projection& from, const Projection& to, Size output_size,
-      const Mat3& source_from_probe)
+      const Mat3& source_from_probe, View<const float> stddev)
       : three(source.channels() < 3 ? as_three(source) : Image<float>()),
         size(output_size),
-        shared(three.empty() ? source : three.view(), from, to, output_size, source_from_probe) {}
+        shared(three.empty() ? source : three.view(), from, to, output_size, source_from_probe) {
+    if (!stddev.empty()) doubts.emplace(stddev, from);
+  }
 
   /// All tiles of one row of them.
-  void write(View<float> band, int first_row) const {
-    TileWorker worker(shared, band, first_row);
+  void write(const Band& band, int first_row) const {
+    TileWorker worker(shared, doubts ? &*doubts : nullptr, band, first_row);
     for (int x = 0; x < size.width; x += Tile::kSide) {
-      worker.write({x, first_row, std::min(Tile::kSide, size.width - x), band.height()});
+      worker.write({x, first_row, std::min(Tile::kSide, size.width - x), band.values.height()});
     }
   }
 };
 
 Resampler::Resampler(View<const float> source, const Projection& from, const Projection& to, Size size,
-                     const Mat3& source_from_probe) {
+                     const Mat3& source_from_probe, View<const float> stddev) {
   require_picture(source.size(), "source");
+  HDR_ASSERT(stddev.empty() || stddev.size() == source.size());
   require_picture(size, "output");
   require_valid(from);
   require_valid(to);
   require_rotation(source_from_probe);
-  job_ = std::make_unique<const Job>(source, from, to, size, source_from_probe);
+  job_ = std::make_unique<const Job>(source, from, to, size, source_from_probe, stddev);
 }
 
 Resampler::~Resampler() = default;
 
-void Resampler::rows(int first, View<float> band) const {
+void Resampler::rows(int first, const Band& band) const {
   static_assert(kGrain == Tile::kSide);
-  HDR_ASSERT(first % kGrain == 0 && first + band.height() <= job_->size.height && band.width() == job_->size.width);
-  for_rows(band.height(), kGrain, [&](int begin, int end) {
-    const View<float> part = band.rows(begin, end);
+  const View<float>& values = band.values;
+  HDR_ASSERT(first % kGrain == 0 && first + values.height() <= job_->size.height &&
+             values.width() == job_->size.width);
+  for_rows(values.height(), kGrain, [&](int begin, int end) {
+    const auto part_of = [&](const View<float>& plane) { return plane.empty() ? plane : plane.rows(begin, end); };
+    Band part{part_of(values), part_of(band.shown), part_of(band.stddev)};
     if (job_->three.empty()) return job_->write(part, first + begin);
-    Image<float> wide(part.size(), 3);
-    job_->write(wide, first + begin);
-    copy_first_channels(wide, part);
+    Image<float> wide(part.values.size(), 3);
+    const View<float> some = part.values;
+    part.values = wide;
+    job_->write(part, first + begin);
+    copy_first_channels(wide, some);
   });
 }
 

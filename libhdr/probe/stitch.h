@@ -7,6 +7,7 @@
 
 #include "libhdr/core/radiance.h"
 #include "libhdr/probe/projection.h"
+#include "libhdr/probe/seam.h"
 #include "libhdr/probe/vignetting.h"
 
 namespace hdr {
@@ -53,10 +54,11 @@ Stitch solve_stitch(const std::vector<StitchPhoto>& photos, const std::vector<st
 
 /// The sphere as a lat-long of width x width/2. In each direction the photograph that shows it nearest to its middle,
 /// faded into the next along the border between them; where they disagree the nearest alone; clipped pixels count only
-/// where all are, and there the one with the greatest light: each bounds it from below. `alpha` is 0 where no photograph shows anything, and empty where they show all; `stddev` is there
-/// when all have it.
+/// where all are, and there the one with the greatest light: each bounds it from below. With Seam::kCut
+/// the photographs' parts are what a graph cut says. `alpha` is 0 where no photograph shows anything, and empty where
+/// they show all; `stddev` is there when all have it, propagated through kernels, gains and weights.
 RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& stitch, int width,
-                         const Mat3& stitch_from_probe = Mat3::Identity());
+                         const Mat3& stitch_from_probe = Mat3::Identity(), Seam seam = Seam::kFeather);
 
 /// What was made up.
 struct NadirFill {

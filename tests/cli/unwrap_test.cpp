@@ -92,9 +92,92 @@ TEST_F(Unwrap, TwoOppositeFisheyesBecomeOneSphere) {
   EXPECT_LE(result.median_abs_log2, 0.05);
 
   expect_refusal({"unwrap", at("f.exr"), at("f.exr"), "-o", at("x.exr")}, {"f.exr", "the same photograph twice"});
+  expect_refusal({"unwrap", at("f.exr"), at("b.exr"), "-o", at("x.exr"), "--level"}, {"--level", "one picture"});
   expect_refusal({"unwrap", at("f.exr"), at("f.exr"), "-o", at("x.exr"), "--from", "fisheye", "--fov", "150"},
                  {"f.exr", "gap", "--fov"});
   EXPECT_EQ(run_hdr({"unwrap", world(), world(), "-o", at("x.exr")}).exit_code, 2);
+}
+
+TEST_F(Unwrap, APartOfTheSphereStaysWhereItWas) {
+  answer_of({"unwrap", world(), "-o", at("part.exr"), "--to", "panorama", "--fov", "180", "--vfov", "90", "--centre",
+             "30,10", "--width", "256", "--type", "float"});
+  const RadianceMap part = read_map(scratch_ / "part.exr").map;
+  EXPECT_EQ(part.projection, "panorama fov=180 vfov=90 azimuth=30 elevation=10");
+  EXPECT_EQ(part.size(), (Size{256, 128}));
+  EXPECT_TRUE(part.alpha.empty()) << "all of it is shown";
+  answer_of({"unwrap", at("part.exr"), "-o", at("back.exr"), "--width", "256", "--type", "float"});
+  answer_of({"unwrap", world(), "-o", at("crop.exr"), "--crop", "40,20,100,70", "--to", "panorama", "--fov", "80",
+             "--vfov", "40", "--centre", "-80,20", "--width", "80", "--type", "float"});
+  const RadianceMap back = read_map(scratch_ / "back.exr").map, truth = read_map(world()).map;
+  ASSERT_FALSE(back.alpha.empty());
+  int there = 0;
+  double off = 0;
+  for (int y = 0; y < 128; ++y) {
+    for (int x = 0; x < 256; ++x) {
+      const double right = (x + 0.5) / 256 * 360 - 180, up = 90 - (y + 0.5) / 128 * 180;
+      const bool inside = std::abs(right - 30) < 90 && std::abs(up - 10) < 45;
+      EXPECT_EQ(back.alpha(x, y), inside ? 1.0f : 0.0f) << x << " " << y;
+      if (!inside) {
+        EXPECT_EQ(back.rgb(x, y, 1), 0);
+        continue;
+      }
+      off += std::abs(std::log2(back.rgb(x, y, 1) / truth.rgb(x, y, 1)));
+      ++there;
+    }
+  }
+  EXPECT_LT(off / there, 0.03);
+  // 40 of 256 columns in, 20 of 128 rows down: what the cropped scan shows is where it was.
+  const RadianceMap crop = read_map(scratch_ / "crop.exr").map;
+  EXPECT_EQ(crop.projection, "panorama fov=80 vfov=40 azimuth=-80 elevation=20");
+  const Vec2 middle((-80.0 + 180) / 360 * 256, (90.0 - 20) / 180 * 128);
+  EXPECT_NEAR(crop.rgb(40, 20, 1) / truth.rgb(static_cast<int>(middle.x()), static_cast<int>(middle.y()), 1), 1, 0.15);
+}
+
+TEST_F(Unwrap, AScanOfUnknownFieldIsWhatTheOptionsSay) {
+  // 360 x 120 degrees with ten rows of nothing above.
+  const RadianceMap truth = read_map(world()).map;
+  RadianceMap scan;
+  scan.rgb = Image<float>(256, 95, 3);
+  for (int y = 0; y < 85; ++y) std::copy_n(truth.rgb.row(y + 21), 3 * 256, scan.rgb.row(y + 10));
+  write_map(scratch_ / "scan.exr", scan, {}, {SampleType::kFloat, "zip"});
+  answer_of({"unwrap", at("scan.exr"), "-o", at("s.exr"), "--from", "panorama", "--crop", "0,10,256,85", "--centre",
+             "0,0.703125", "--width", "256", "--type", "float"});
+  const RadianceMap sphere = read_map(scratch_ / "s.exr").map;
+  double off = 0;
+  for (int y = 30; y < 100; ++y) {
+    for (int x = 0; x < 256; ++x) off += std::abs(std::log2(sphere.rgb(x, y, 1) / truth.rgb(x, y, 1)));
+  }
+  EXPECT_LT(off / (70 * 256), 0.01);
+  EXPECT_EQ(sphere.alpha(100, 10), 0);
+  EXPECT_EQ(sphere.alpha(100, 64), 1);
+  expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--fov", "370"}, {"370", "--crop"});
+  expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--crop", "0,10,257,85"},
+                 {"crop", "256x95"});
+  expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--centre", "0,80"},
+                 {"beyond a pole"});
+  expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr")}, {"scan.exr", "--from", "panorama"});
+}
+
+TEST_F(Unwrap, TheHorizonBecomesLevel) {
+  answer_of({"unwrap", world(), "-o", at("tilted.exr"), "--rotate", "8,0,-5", "--width", "256", "--type", "float"});
+  // Where the tilted map has two points of the horizon.
+  const LatLong map{{256, 128}};
+  const Mat3 turn = rotation_from_degrees({8, 0, -5});
+  const Vec2 a = *map.px_from_dir(turn * Vec3(0, 0, 1)), b = *map.px_from_dir(turn * Vec3(1, 0, 0));
+  const std::string points = std::to_string(a.x()) + "," + std::to_string(a.y()) + "," + std::to_string(b.x()) + "," +
+                             std::to_string(b.y());
+  answer_of({"unwrap", at("tilted.exr"), "-o", at("l.exr"), "--horizon", points, "--width", "256", "--type", "float"});
+  const RadianceMap level = read_map(scratch_ / "l.exr").map, truth = read_map(world()).map;
+  // Up to a turn about the vertical: the mean of each row is as it was.
+  for (int y = 12; y < 116; ++y) {
+    double mean = 0, expected = 0;
+    for (int x = 0; x < 256; ++x) {
+      mean += static_cast<double>(level.rgb(x, y, 1));
+      expected += static_cast<double>(truth.rgb(x, y, 1));
+    }
+    EXPECT_NEAR(mean / expected, 1, 0.06) << "row " << y;
+  }
+  expect_refusal({"unwrap", at("tilted.exr"), "-o", at("x.exr"), "--horizon", "10,20"}, {"--horizon", "two"});
 }
 
 TEST_F(Unwrap, MemoryIsTheTwoPicturesAndLittleMore) {

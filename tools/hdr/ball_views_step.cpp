@@ -112,20 +112,18 @@ RadianceMap unwrap_ball_views(Run& run, const std::vector<std::string>& images, 
   std::vector<BallView> views;
   for (const Picture& picture : pictures)
     views.push_back({picture.map.rgb, picture.geometry.ball, picture.geometry.outline_known,
-                     picture.geometry.distance_known, picture.mask});
+                     picture.geometry.distance_known, picture.mask, picture.map.stddev});
   const std::vector<RegisteredView> registered =
       run.stage("register", [&] { return register_ball_views(views, images); });
   // d_out = R d_in, so what the probe shows in direction d the first view shows in R^-1 d.
   const Mat3 probe_from_first = rotation_from_degrees(vec3_from_text(flags.rotate, "--rotate"));
   answer_views(run, images, registered, probe_from_first);
   const auto [to, size] = flags.target();
-  RadianceMap probe;
-  probe.rgb = run.stage("join", [&, &target = to, &target_size = size] {
+  RadianceMap probe = run.stage("join", [&, &target = to, &target_size = size] {
     return join_ball_views(views, registered, target, target_size, probe_from_first.transpose());
   });
   probe.chromaticities = pictures.front().map.chromaticities;
   probe.white_luminance = pictures.front().map.white_luminance;
-  probe.projection = text_from_projection(to);
   run.answer["projection"] = probe.projection;
   return probe;
 }

@@ -54,6 +54,18 @@ Size size_from_text(const std::string& text, const std::string& option) {
   return {side(parts[0]), side(parts[1])};
 }
 
+std::vector<double> numbers_from_text(const std::string& text, const std::string& option, std::size_t count) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.empty() || (count > 0 && parts.size() > count)) {
+    const std::string most = count > 0 ? fmt::format("1 to {} ", count) : "";
+    throw Error(fmt::format("{}: '{}' is not {}numbers with commas between them", option, text, most));
+  }
+  std::vector<double> numbers;
+  for (const std::string& part : parts) numbers.push_back(number_from_text(part, option));
+  if (count > 0) numbers.resize(count, 0);
+  return numbers;
+}
+
 Vec2 vec2_from_text(const std::string& text, const std::string& option) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 2) throw Error(fmt::format("{}: '{}' is not X,Y", option, text));
@@ -225,8 +237,15 @@ void UnwrapFlags::declare(CLI::App& app) {
                  "a fisheye's image circle CX,CY,R in pixels, or auto: its hdr:projection's, else found")
       ->capture_default_str();
   app.add_option("--fov", fov,
-                 "field in degrees of a rectilinear picture (horizontal) or across a fisheye's circle (default: its "
-                 "hdr:projection's, or 90 and 180)");
+                 "field in degrees of a rectilinear picture or a panorama (horizontal) or across a fisheye's circle "
+                 "(default: its hdr:projection's, or 90, 360 and 180)");
+  app.add_option("--vfov", vfov, "of a panorama: its vertical field, degrees (default: square pixels)");
+  app.add_option("--centre", centre,
+                 "AZ,EL of a panorama's middle: degrees to the right of +Z and above the horizon (default: 0,0)");
+  app.add_option("--crop", crop,
+                 "X,Y,W,H: this rectangle of a lat-long or a panorama is what is read; where it was is remembered");
+  app.add_flag("--level", level, "what is vertical in the picture (walls, trunks) becomes vertical, before --rotate");
+  app.add_option("--horizon", horizon, "X,Y,X,Y,...: pixels on the true horizon, which becomes level, before --rotate");
   app.add_option("--lens", lens, "of a fisheye (default: its hdr:projection's, or equidistant)")
       ->check(
           CLI::IsMember({"equidistant", "equisolid", "stereographic", "orthographic", "polynomial", "kannala-brandt"}));
@@ -246,18 +265,25 @@ void UnwrapFlags::declare(CLI::App& app) {
       ->check(conventions);
 }
 
-namespace {
-
-std::vector<double> numbers_from_text(const std::string& text, const std::string& option, std::size_t count) {
-  const std::vector<std::string> parts = split(text, ',');
-  if (parts.empty() || parts.size() > count) {
-    throw Error(fmt::format("{}: '{}' is not 1 to {} numbers with commas between them", option, text, count));
-  }
-  std::vector<double> numbers;
-  for (const std::string& part : parts) numbers.push_back(number_from_text(part, option));
-  numbers.resize(count, 0);
-  return numbers;
+void UnwrapFlags::declare_seam(CLI::App& app) {
+  app.add_option("--seam", seam,
+                 "between two fisheyes: feather, along the ring where they differ least; cut: a graph cut, which goes "
+                 "around what moved")
+      ->check(CLI::IsMember({"feather", "cut"}))
+      ->capture_default_str();
 }
+
+std::string UnwrapFlags::with_field(const std::string& name) const {
+  if (name != Panorama::kName) return name;
+  std::string text = name;
+  if (fov) text += fmt::format(" fov={}", *fov);
+  if (vfov) text += fmt::format(" vfov={}", *vfov);
+  if (centre.empty()) return text;
+  const Vec2 middle = vec2_from_text(centre, "--centre");
+  return text + fmt::format(" azimuth={} elevation={}", middle.x(), middle.y());
+}
+
+namespace {
 
 /// --lens, --lens-k and --fov on a fisheye, --distortion and --fov on a rectilinear picture.
 void apply_lens(const UnwrapFlags& flags, Projection& projection, bool with_fov) {
@@ -293,7 +319,7 @@ void UnwrapFlags::correct_vignetting(RadianceMap& map) const {
 }
 
 bool UnwrapFlags::target_has_field() const {
-  return to.starts_with(Fisheye::kName) || to.starts_with(Rectilinear::kName);
+  return to.starts_with(Fisheye::kName) || to.starts_with(Rectilinear::kName) || to == Panorama::kName;
 }
 
 void UnwrapFlags::apply_to_source(Projection& source, bool with_fov) const {
@@ -307,7 +333,7 @@ void UnwrapFlags::apply_to_source(Projection& source, bool with_fov) const {
 }
 
 NewPicture UnwrapFlags::target() const {
-  auto picture = picture_of_width(to, width);
+  auto picture = picture_of_width(with_field(to), width);
   if (!picture) throw CLI::ValidationError("--to", fmt::format("'{}' is not one of {}", to, kProjectionNames));
   if (auto* ball_out = std::get_if<MirrorBall>(&picture->projection); ball_out && distance) {
     ball_out->distance = *distance;

@@ -22,6 +22,8 @@ std::vector<double> times_from_text(const std::string& text, const std::string& 
 Size size_from_text(const std::string& text, const std::string& option);
 /// "1,2" -> Vec2. Throws Error.
 Vec2 vec2_from_text(const std::string& text, const std::string& option);
+/// "1,2,3" -> as many numbers, at most `count` (0: any number of them), the rest 0. Throws Error.
+std::vector<double> numbers_from_text(const std::string& text, const std::string& option, std::size_t count);
 /// "1,2,3" -> Vec3. Throws Error.
 Vec3 vec3_from_text(const std::string& text, const std::string& option);
 
@@ -91,11 +93,17 @@ struct UnwrapFlags {
   std::string from, to = "latlong", ball = "auto", circle = "auto", rotate = "0,0,0";
   std::string convention = "openexr", from_convention, lens, lens_k, distortion, vignetting;
   std::optional<double> distance;
-  std::optional<double> fov, camera_fov;
+  std::optional<double> fov, vfov, camera_fov;
+  std::string centre, crop, horizon, seam = "feather";
+  bool level = false;
   std::string reflectance;
   int width = 2048;
 
   void declare(CLI::App& app);
+  /// --seam, of verbs that join two fisheyes.
+  void declare_seam(CLI::App& app);
+  /// `name` with the field that --fov, --vfov and --centre say, where it is a bare "panorama".
+  std::string with_field(const std::string& name) const;
   /// The projection to write, and its size.
   NewPicture target() const;
   /// What the options say of the picture's own lens and axes, beyond what `from` knows of it.

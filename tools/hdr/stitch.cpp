@@ -18,7 +18,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> photos;
-  std::string output, rotate = "0,0,0", distortion = "fit", vignetting = "none";
+  std::string output, rotate = "0,0,0", distortion = "fit", vignetting = "none", seam = "feather";
   std::optional<double> fov;
   int width = 4096;
   bool level = false, nadir = false;
@@ -39,6 +39,10 @@ void declare_options(CLI::App& app, Options& o) {
   app.add_flag("--level", o.level, "the horizon becomes level (default: the first photograph's axes)");
   app.add_option("--rotate", o.rotate, "X,Y,Z degrees, at last: d_out = Rz Ry Rx d_in")->capture_default_str();
   app.add_flag("--nadir", o.nadir, "fills the hole at the bottom smoothly from its border");
+  app.add_option("--seam", o.seam,
+                 "feather: along the borders between the photographs; cut: a graph cut, which goes around what moved")
+      ->check(CLI::IsMember({"feather", "cut"}))
+      ->capture_default_str();
   app.add_option("--distortion", o.distortion, "of the lens: fit (where the photographs call for it) or none")
       ->check(CLI::IsMember({"fit", "none"}))
       ->capture_default_str();
@@ -169,7 +173,10 @@ int stitch(Run& run, const Options& o) {
   answer_views(run, names, solved, probe_from_stitch);
   warn_of_clipping(run, photos, names);
   RadianceMap map =
-      run.stage("join", [&] { return merge_stitch(photos, solved, o.width, probe_from_stitch.transpose()); });
+      run.stage("join", [&] { 
+        return merge_stitch(photos, solved, o.width, probe_from_stitch.transpose(),
+                            o.seam == "cut" ? Seam::kCut : Seam::kFeather);
+      });
   const auto first = static_cast<std::size_t>(
       std::find_if(solved.photos.begin(), solved.photos.end(), [](const StitchedPhoto& p) { return p.used; }) -
       solved.photos.begin());

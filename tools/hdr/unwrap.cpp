@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "libhdr/core/error.h"
 #include "libhdr/io/read.h"
 #include "tools/hdr/ball_views_step.h"
@@ -23,7 +25,16 @@ bool are_ball_views(const Options& o) {
   return read_map(o.images[0]).map.projection.starts_with(MirrorBall::kName);
 }
 
+/// Options that are of one picture.
+void require_one_picture(const Options& o) {
+  const UnwrapFlags& u = o.unwrap;
+  if (!u.level && u.horizon.empty() && u.crop.empty()) return;
+  throw Error(fmt::format("{} is for one picture; join them first, and then level or crop what was written",
+                          u.level ? "--level" : u.crop.empty() ? "--horizon" : "--crop"));
+}
+
 RadianceMap unwrap_images(Run& run, const Options& o, bool ball_views) {
+  if (o.images.size() > 1) require_one_picture(o);
   if (ball_views) return unwrap_ball_views(run, o.images, o.masks, o.unwrap);
   if (!o.masks.empty()) throw Error("--mask: is for several views of one ball");
   const bool faces = are_cube_faces(o.images);
@@ -72,6 +83,7 @@ std::function<int(Run&)> declare_unwrap(CLI::App& app) {
   app.add_option("--mask", options->masks,
                  "with several views: a picture for each, white where it is to be used; - for all of it");
   options->unwrap.declare(app);
+  options->unwrap.declare_seam(app);
   options->write.declare(app);
   return [options](Run& run) {
     const bool ball_views = are_ball_views(*options);

@@ -62,12 +62,13 @@ RadianceMap unwrap_fisheye_pair(Run& run, const RadianceMap& front, const Radian
   // Anything but a lat-long goes through one that is as fine.
   const bool latlong = is_plain_latlong(to);
   const int width = latlong ? size.width : std::max(size.width, 2 * size.height);
-  RadianceMap sphere;
-  sphere.rgb =
-      run.stage("merge", [&] { return merge_fisheye_pair(front.rgb, back.rgb, pair, width, pair_from_probe); });
+  const PairMergeOptions options{flags.seam == "cut" ? Seam::kCut : Seam::kFeather};
+  RadianceMap sphere = run.stage("merge", [&] {
+    return merge_fisheye_pair({front.rgb, front.stddev}, {back.rgb, back.stddev}, pair, width, pair_from_probe,
+                              options);
+  });
   sphere.chromaticities = front.chromaticities;
   sphere.white_luminance = front.white_luminance;
-  sphere.projection = LatLong::kName;
   run.answer["circle"] = {
       {"cx", pair.views[0].lens.disc.cx}, {"cy", pair.views[0].lens.disc.cy}, {"r", pair.views[0].lens.disc.r}};
   run.answer["views"] = Json::array();

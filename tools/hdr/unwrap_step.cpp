@@ -10,6 +10,7 @@
 #include "libhdr/io/read.h"
 #include "libhdr/probe/find_ball.h"
 #include "libhdr/probe/find_image_circle.h"
+#include "libhdr/probe/find_level.h"
 #include "libhdr/probe/reflectance.h"
 #include "libhdr/probe/unwrap.h"
 
@@ -96,6 +97,75 @@ RadianceMap copy_of(const RadianceMap& map) {
   return copy;
 }
 
+/// What --crop leaves. A lat-long or panorama whose geometry is known becomes a panorama that is so too.
+RadianceMap cropped(const RadianceMap& picture, const UnwrapFlags& flags, const std::string& from_text,
+                    const std::string& source) {
+  const std::vector<double> numbers = numbers_from_text(flags.crop, "--crop", 4);
+  const auto whole = [&](double value) {
+    if (value != std::floor(value) || std::abs(value) > 1e6) throw Error("--crop: give whole pixels, X,Y,W,H");
+    return static_cast<int>(value);
+  };
+  const int x = whole(numbers[0]), y = whole(numbers[1]);
+  const Size size{whole(numbers[2]), whole(numbers[3])};
+  Panorama all{picture.size()};
+  // A scan of which nothing is known yet is what the options say once it is cropped.
+  const bool known = from_text != Panorama::kName || !picture.projection.empty();
+  if (known) {
+    const Projection from = projection_of_probe(from_text, picture.projection, picture.size(), source);
+    const auto* panorama = std::get_if<Panorama>(&from);
+    if (!panorama && !is_plain_latlong(from)) {
+      throw Error(fmt::format("{}: --crop is for lat-longs and panoramas; of other pictures give --ball or --circle",
+                              source));
+    }
+    if (panorama) all = *panorama;
+  }
+  const Panorama part = hdr::cropped(all, x, y, size);
+  const auto copy = [&](const Image<float>& plane) {
+    if (plane.empty()) return Image<float>();
+    Image<float> result(size, plane.channels());
+    for (int row = 0; row < size.height; ++row)
+      std::copy_n(plane.pixel(x, y + row), size.width * plane.channels(), result.row(row));
+    return result;
+  };
+  RadianceMap result{copy(picture.rgb), copy(picture.alpha), copy(picture.stddev), picture.chromaticities,
+                     picture.white_luminance, known ? text_from_projection(part) : ""};
+  return result;
+}
+
+/// By --level or --horizon; else the identity.
+Mat3 level_from_picture(Run& run, const RadianceMap& picture, const Projection& from, const UnwrapFlags& flags,
+                        const std::string& source) {
+  if (!flags.horizon.empty()) {
+    if (flags.level) throw CLI::ValidationError("--horizon", "says what --level would look for; give one of them");
+    const std::vector<double> numbers = numbers_from_text(flags.horizon, "--horizon", 0);
+    if (numbers.size() % 2 != 0) throw Error("--horizon: give X,Y of each point, pixels");
+    std::vector<Vec3> points;
+    for (std::size_t k = 0; k < numbers.size(); k += 2) {
+      const auto dir = dir_from_px(from, {numbers[k], numbers[k + 1]});
+      if (!dir) throw Error(fmt::format("--horizon: {}, {} lies outside of {}", numbers[k], numbers[k + 1], source));
+      points.push_back(*dir);
+    }
+    return level_from_horizon(points);
+  }
+  if (!flags.level) return Mat3::Identity();
+  const auto found = run.stage("level", [&] {
+    constexpr Size kSize{1024, 512};
+    RadianceMap light;
+    light.rgb = picture.rgb.clone();
+    light.alpha = picture.alpha.clone();
+    const RadianceMap sphere = unwrap(light, from, LatLong{kSize}, kSize);
+    return find_level(sphere.rgb, sphere.alpha);
+  });
+  if (!found) {
+    throw Error(source + ": too little in it is vertical to find its level; give --horizon X,Y,X,Y (points on the "
+                         "horizon) or --rotate");
+  }
+  run.answer["level"] = {{"tilt_degrees", found->tilt_degrees}, {"support", found->support}};
+  run.say(fmt::format("levelled: it was tilted by {:.2f} degrees ({:.0f} % of its edges say so)", found->tilt_degrees,
+                      100 * found->support));
+  return found->level_from_picture;
+}
+
 }  // namespace
 
 BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source) {
@@ -129,7 +199,15 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
 RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
                            const std::string& default_from, const std::string& source) {
   const std::string from_text = flags.from.empty() && picture.projection.empty() ? default_from : flags.from;
-  Projection from = projection_of_probe(from_text, picture.projection, picture.size(), source);
+  if (!flags.crop.empty()) {
+    const RadianceMap part = cropped(picture, flags, from_text, source);
+    UnwrapFlags whole = flags;
+    whole.crop = "";
+    if (!part.projection.empty()) whole.from = "";
+    return unwrap_picture(run, part, whole, default_from, source);
+  }
+  Projection from =
+      projection_of_probe(flags.with_field(from_text), picture.projection, picture.size(), source);
   if (std::holds_alternative<MirrorBall>(from)) {
     const MirrorBall ball = ball_geometry(run, picture, flags, source).ball;
     from = ball;
@@ -148,7 +226,8 @@ RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFla
   }
   const auto [to, size] = flags.target();
   // d_out = R d_in, so what the probe shows in direction d the picture shows in R^-1 d.
-  const Mat3 picture_from_probe = rotation_from_degrees(vec3_from_text(flags.rotate, "--rotate")).transpose();
+  const Mat3 level = level_from_picture(run, picture, from, flags, source);
+  const Mat3 picture_from_probe = (rotation_from_degrees(vec3_from_text(flags.rotate, "--rotate")) * level).transpose();
   RadianceMap probe = run.stage("unwrap", [&, &target = to, &target_size = size] {
     const auto* ball = std::get_if<MirrorBall>(&from);
     if (!ball || flags.reflectance.empty()) return unwrap(picture, from, target, target_size, picture_from_probe);

@@ -76,6 +76,24 @@ class InterpolatingKernel {
   }
 };
 
+/// What a cubic spline through the samples [Unser93] weighs them by: the cardinal spline, cut where 1e-4 is left.
+struct CardinalSplineKernel {
+  static constexpr float kReach = 7;
+  static double at(double t) {
+    constexpr double kPole = std::numbers::sqrt3 - 2;
+    double sum = 0, power = std::numbers::sqrt3;  // -6 z / (1 - z^2)
+    for (int k = 0; k <= 8; ++k, power *= kPole) sum += power * (bspline(t - k) + (k > 0 ? bspline(t + k) : 0));
+    return sum;
+  }
+
+ private:
+  static double bspline(double t) {
+    t = std::abs(t);
+    if (t < 1) return 2.0 / 3 - t * t * (1 - 0.5 * t);
+    return t < 2 ? (2 - t) * (2 - t) * (2 - t) / 6 : 0;
+  }
+};
+
 /// Linear interpolation: it cannot ring, nor make what was positive negative.
 struct TentKernel {
   static constexpr float kReach = 1;

@@ -18,6 +18,9 @@ struct Ring {
   double angle_of_row(double row) const { return first_angle + (last_angle - first_angle) * row / height; }
 };
 
+/// Throws Error when two lenses, back to back, leave a gap between them.
+void require_overlap(const Fisheye& front, const Fisheye& back);
+
 /// The ring that both see, `pixels_per_radian` fine around; empty (height 0) where there is none.
 Ring ring_of(const PairView& front, const PairView& back, double pixels_per_radian);
 

@@ -17,6 +17,10 @@ namespace hdr::internal {
 /// lens leaves much of those.
 inline constexpr double kHarmlessScale = 1.6;
 
+/// kInterpolated and kSpline are for what is not made smaller, or has nothing that smaller pixels could not show;
+/// kSpline where its error is small (spline.h).
+enum class KernelKind : std::uint8_t { kNone, kSharp, kTent, kInterpolated, kSpline };
+
 /// One pixel anywhere: at seams, poles, faces' edges and rims; any number of channels.
 class PixelFilter {
  public:
@@ -26,13 +30,23 @@ class PixelFilter {
   /// `scale` is the larger axis of the output pixel's ellipse, which decides whether to interpolate.
   void write(int region, const Vec2& px, const KernelShape& shape, double scale, float* mean);
 
+  /// The same of standard deviations, whose errors are independent from pixel to pixel: the root of the sum of squared
+  /// weights times squared deviations.
+  void write_deviation(int region, const Vec2& px, const KernelShape& shape, double scale, float* deviation);
+  /// Likewise under the kernel that filter_row was told to use.
+  void write_deviation(KernelKind kind, int region, const Vec2& px, const KernelShape& shape, float* deviation);
+
  private:
   struct Sums {
     double weight = 0, whole_weight = 0;
     bool missing = false;  ///< a tap that the picture does not show
   };
-  template <class Kernel>
+  enum class Of { kValues, kDeviations };
+  template <Of kOf, class Kernel>
   Sums add(int region, const Vec2& px, const KernelShape& shape);
+  template <Of kOf>
+  Sums add_chosen(int region, const Vec2& px, const KernelShape& shape, double scale);
+  void write_root(const Sums& sums, float* deviation) const;
   PixelBox seen(const Vec2& px, const KernelShape& shape) const;
   bool is_harsh(const PixelBox& box) const;
 
@@ -58,10 +72,6 @@ struct TileBounds {
 
 /// Of the first tile.width x tile.height pixels; row k at k * kSide.
 TileBounds place_tile(const TilePolynomial& polynomial, const Tile& tile, TilePixels& pixels);
-
-/// kInterpolated and kSpline are for what is not made smaller, or has nothing that smaller pixels could not show;
-/// kSpline where its error is small (spline.h).
-enum class KernelKind : std::uint8_t { kNone, kSharp, kTent, kInterpolated, kSpline };
 
 /// Vectors may be read from a kernel's first pixels on, and so this many beyond its last: they must exist.
 inline constexpr int kReadBeyond = 1;

@@ -39,7 +39,7 @@ struct Photographs {
         }
       }
       pictures.push_back(std::move(picture));
-      views.push_back({pictures[k], distances_known ? ball : MirrorBall{ball.disc}, true, distances_known, {}});
+      views.push_back({pictures[k], distances_known ? ball : MirrorBall{ball.disc}, true, distances_known, {}, {}});
       names.push_back("view " + std::to_string(k + 1));
     }
   }
@@ -123,8 +123,8 @@ TEST(BallViews, TogetherTheyShowEverythingAndNobody) {
   const Photographs p(41, {{0, 20, 0}, {2, 110, -3}}, {10, 10}, {1, 1.2}, true);
   const auto registered = register_ball_views(p.views, p.names);
   const Size size{256, 128};
-  const Image<float> joined = join_ball_views(p.views, registered, LatLong{size}, size);
-  const Image<float> alone = join_ball_views({p.views[0]}, {registered[0]}, LatLong{size}, size);
+  const Image<float> joined = join_ball_views(p.views, registered, LatLong{size}, size).rgb;
+  const Image<float> alone = join_ball_views({p.views[0]}, {registered[0]}, LatLong{size}, size).rgb;
   int wrong = 0, wrong_alone = 0, dark = 0;
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
@@ -139,6 +139,72 @@ TEST(BallViews, TogetherTheyShowEverythingAndNobody) {
   EXPECT_EQ(dark, 0) << "the merged probe covers the sphere";
   EXPECT_LT(wrong, 0.005 * size.width * size.height) << "of " << wrong_alone << " in one view alone";
   EXPECT_GT(wrong_alone, 0.02 * size.width * size.height) << "the photographer was there";
+}
+
+/// Views of a uniform room, with noise of a known deviation.
+struct NoisyViews {
+  NoisyViews(std::uint64_t seed, const MirrorBall& ball) {
+    Random random(seed, 31);
+    for (int k = 0; k < 2; ++k) {
+      Image<float> picture(120, 100, 3), deviation(120, 100, 3);
+      for (int y = 0; y < 100; ++y) {
+        for (int x = 0; x < 360; ++x) {
+          deviation.row(y)[x] = 0.3f + 0.002f * static_cast<float>(x);
+          picture.row(y)[x] = 100 + deviation.row(y)[x] * static_cast<float>(random.normal());
+        }
+      }
+      pictures.push_back(std::move(picture));
+      deviations.push_back(std::move(deviation));
+      views.push_back({pictures.back(), ball, true, true, {}, deviations.back()});
+      registered.push_back({rotation_from_degrees({0, 90.0 * k, 0}), k == 0 ? 1.0 : 1.25, ball, 0, 1});
+    }
+  }
+  std::vector<Image<float>> pictures, deviations;
+  std::vector<BallView> views;
+  std::vector<RegisteredView> registered;
+};
+
+TEST(BallViews, DeviationsOfTheJoinedSphereAreThoseOfTheNoise) {
+  const MirrorBall ball{{60, 50, 45}, 9};
+  const Size size{96, 48};
+  Image<float> mean;
+  {
+    NoisyViews quiet(1, ball);
+    for (auto& picture : quiet.pictures) {
+      for (int y = 0; y < 100; ++y) std::fill_n(picture.row(y), 360, 100.0f);
+    }
+    mean = join_ball_views(quiet.views, quiet.registered, LatLong{size}, size).rgb;
+  }
+  double squares = 0;
+  int count = 0;
+  for (std::uint64_t draw = 1; draw <= 24; ++draw) {
+    const NoisyViews noisy(draw, ball);
+    const RadianceMap joined = join_ball_views(noisy.views, noisy.registered, LatLong{size}, size);
+    EXPECT_TRUE(joined.alpha.empty()) << "the two hide nothing in common";
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < 3 * size.width; ++x, ++count) {
+        const double off = (joined.rgb.row(y)[x] - mean.row(y)[x]) / static_cast<double>(joined.stddev.row(y)[x]);
+        squares += off * off;
+      }
+    }
+  }
+  EXPECT_NEAR(std::sqrt(squares / count), 1, 0.02);
+}
+
+TEST(BallViews, WhatNobodySawHasNoAlpha) {
+  const NoisyViews p(1, MirrorBall{{60, 50, 45}, 3});
+  const Size size{180, 90};
+  const RadianceMap alone = join_ball_views({p.views[0]}, {p.registered[0]}, LatLong{size}, size);
+  ASSERT_FALSE(alone.alpha.empty());
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      // 19.5 degrees around -Z lie behind the ball.
+      const double behind = std::acos(-dir_from_latlong((x + 0.5) / 180, (y + 0.5) / 90).z()) / kDegree;
+      if (std::abs(behind - 19.47) < 1) continue;
+      EXPECT_EQ(alone.alpha(x, y), behind > 19.47 ? 1 : 0) << behind;
+      EXPECT_EQ(alone.rgb(x, y, 1) > 0, behind > 19.47) << behind;
+    }
+  }
 }
 
 }  // namespace

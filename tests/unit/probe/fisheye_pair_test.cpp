@@ -70,7 +70,7 @@ TEST(FisheyePair, LensesRotationAndGainAreFound) {
     EXPECT_NEAR(pair.views[1].gain * gain, 1, 0.02) << "seed " << seed;
     EXPECT_LT(pair.overlap_rms, 0.1) << "seed " << seed;
 
-    const Image<float> sphere = merge_fisheye_pair(a, b, pair, 512);
+    const Image<float> sphere = merge_fisheye_pair({a}, {b}, pair, 512).rgb;
     double worst = 0;
     std::vector<double> errors;
     for (int y = 8; y < 248; ++y) {

@@ -36,6 +36,12 @@ struct RectilinearCase {
   static inline const double kCovered = 4 * std::asin(std::sin(std::atan(kA)) * std::sin(std::atan(kB)));
 };
 
+template <int kFov, int kVfov, int kAzimuth, int kElevation>
+struct PanoramaCase {
+  static Panorama projection() { return {{210, 90}, kFov, kVfov, kAzimuth, kElevation}; }
+  static inline const double kCovered = kFov * kDegree * (std::sin((kElevation + 0.5 * kVfov) * kDegree) -
+                                                          std::sin((kElevation - 0.5 * kVfov) * kDegree));
+};
 template <Convention kConvention>
 struct TurnedLatLongCase {
   static LatLong projection() { return {{200, 100}, kConvention}; }
@@ -97,7 +103,8 @@ using Cases = testing::Types<
     CubeCase<Cube::Layout::kHorizontalCross, Convention::kOpenGl>,
     CubeCase<Cube::Layout::kVerticalStrip, Convention::kOpenExr>,
     CubeCase<Cube::Layout::kHorizontalStrip, Convention::kOpenGl>, CubeCase<Cube::Layout::kFaces, Convention::kThreeJs>,
-    OctahedralCase<false>, OctahedralCase<true>, HemisphereCase, DualParaboloidCase>;
+    OctahedralCase<false>, OctahedralCase<true>, HemisphereCase, DualParaboloidCase, PanoramaCase<360, 120, 30, 10>,
+    PanoramaCase<180, 90, -150, 0>, PanoramaCase<40, 30, 90, -75>>;
 TYPED_TEST_SUITE(EveryProjection, Cases);
 
 TYPED_TEST(EveryProjection, PixelsRoundTripThroughUnitDirections) {
@@ -173,6 +180,49 @@ TEST(Projection, LatLongIsPinned) {
   expect_shows(map, {300, 100}, {-1, 0, 0});
   expect_shows(map, {123, 0}, {0, 1, 0});
   expect_shows(map, {0, 100}, {0, 0, -1});
+}
+
+TEST(Projection, PanoramasArePinned) {
+  // A quarter of a turn wide, its middle 90 degrees to the right and 20 up.
+  const Panorama part{{180, 120}, 90, 60, 90, 20};
+  const auto at = [](double right, double up) {
+    return Vec3(-std::cos(up * kDegree) * std::sin(right * kDegree), std::sin(up * kDegree),
+                std::cos(up * kDegree) * std::cos(right * kDegree));
+  };
+  expect_shows(part, {90, 60}, at(90, 20));
+  expect_shows(part, {0, 60}, at(45, 20));
+  expect_shows(part, {180, 0}, at(135, 50));
+  expect_shows(part, {90, 120}, at(90, -10));
+  EXPECT_FALSE(part.px_from_dir(at(44, 20)));
+  EXPECT_FALSE(part.px_from_dir(at(90, 51)));
+  // A whole one is a lat-long.
+  const LatLong whole{{400, 200}};
+  for (double x = 3; x < 400; x += 31) expect_shows(Panorama{{400, 200}}, {x, 70}, *whole.dir_from_px({x, 70}));
+}
+
+TEST(Projection, WhatIsCroppedStaysWhereItWas) {
+  const Panorama part{{180, 120}, 90, 60, 90, 20};
+  const Panorama crop = cropped(part, 30, 12, {100, 80});
+  EXPECT_TRUE((crop.size == Size{100, 80}));
+  for (const Vec2& px : {Vec2(0, 0), Vec2(50, 40), Vec2(99, 3)}) {
+    expect_shows(crop, px, *part.dir_from_px(px + Vec2(30, 12)));
+  }
+  EXPECT_THROW(cropped(part, 100, 0, {81, 10}), Error);
+  EXPECT_THROW(cropped(part, -1, 0, {10, 10}), Error);
+}
+
+TEST(Projection, AScanWithoutVerticalFieldHasSquarePixels) {
+  const auto of = [](const std::string& text, Size size) {
+    return std::get<Panorama>(projection_from_text(text, size).value());
+  };
+  EXPECT_NEAR(of("panorama fov=360", {3600, 1200}).vfov_degrees, 120, 1e-12);
+  EXPECT_NEAR(of("panorama fov=180 elevation=10", {1000, 500}).vfov_degrees, 90, 1e-12);
+  EXPECT_TRUE(std::holds_alternative<LatLong>(projection_from_text("panorama", {200, 100}).value()));
+  EXPECT_TRUE((picture_of_width("panorama fov=120 vfov=60", 900).value().size == Size{900, 450}));
+  EXPECT_TRUE((picture_of_width("panorama fov=90", 900).value().size == Size{900, 450}));
+  EXPECT_THROW(projection_from_text("panorama fov=370 vfov=60", {370, 60}), Error);
+  EXPECT_THROW(projection_from_text("panorama fov=180 vfov=90 elevation=50", {200, 100}), Error);
+  EXPECT_THROW(projection_from_text("panorama", {200, 150}), Error) << "270 degrees high";
 }
 
 TEST(Projection, AngularMapIsPinned) {
@@ -358,13 +408,15 @@ TEST(ProjectionText, IsPinned) {
             "fisheye cx=10 cy=11 r=12 fov=190 lens=kannala-brandt k1=0.5 k3=-0.25");
   EXPECT_EQ(text_from_projection(Cube{Cube::Layout::kVerticalStrip, 4, Convention::kOpenGl}),
             "cube-strip convention=opengl");
+  EXPECT_EQ(text_from_projection(Panorama{{8, 4}, 180, 90, 30, 0}), "panorama fov=180 vfov=90 azimuth=30");
 }
 
 TEST(ProjectionText, WhatIsWrittenIsReadBack) {
   for (const char* text :
        {"latlong", "latlong convention=pbrt", "angular", "mirror-ball", "fisheye fov=190 lens=polynomial k2=0.01",
         "rectilinear fov=70 k1=-0.1 p2=0.001", "cube-cross", "cube-cross-vertical", "cube-strip convention=threejs",
-        "cube-faces convention=opengl", "octahedral equal-area=1", "octahedral", "hemisphere", "dual-paraboloid"}) {
+        "cube-faces convention=opengl", "octahedral equal-area=1", "octahedral", "hemisphere", "dual-paraboloid",
+        "panorama fov=360 vfov=100 elevation=-20", "panorama fov=120 vfov=70 azimuth=33.5 elevation=2"}) {
     const auto made = picture_of_width(text, 120);
     ASSERT_TRUE(made) << text;
     const std::string tag = text_from_projection(made->projection);

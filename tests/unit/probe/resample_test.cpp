@@ -171,19 +171,5 @@ TEST(Resample, BadRequestsAreErrors) {
   EXPECT_THROW(resample(source, map, map, {64, 32}, Mat3::Zero()), Error);
 }
 
-TEST(Unwrap, KeepsTheTagsAndNamesTheProjection) {
-  RadianceMap map;
-  map.rgb = constant({100, 100}, 2);
-  map.stddev = constant({100, 100}, 0.5f);
-  map.white_luminance = 80;
-  map.projection = "mirror-ball";
-  const RadianceMap probe = unwrap(map, MirrorBall{inscribed_disc(100)}, LatLong{{64, 32}}, {64, 32});
-  EXPECT_EQ(probe.projection, "latlong");
-  EXPECT_EQ(probe.white_luminance, 80);
-  EXPECT_EQ(probe.size(), (Size{64, 32}));
-  EXPECT_FLOAT_EQ(probe.stddev(30, 16, 2), 0.5f);
-  EXPECT_TRUE(probe.alpha.empty());
-}
-
 }  // namespace
 }  // namespace hdr
