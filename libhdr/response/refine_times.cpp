@@ -201,8 +201,9 @@ RefinedTimes refine_times(const Knots& knots, const Observations& seen, double s
   double squares = 0, count = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (seen.codes[c].rows() == 0) continue;
-    for (const double r :
-         weighted_residuals(knots, CodeWeights::hat(seen.bits), x.g[c], seen.codes[c], ln_exposure).reshaped()) {
+    const Eigen::MatrixXd residuals =
+        weighted_residuals(knots, CodeWeights::hat(seen.bits), x.g[c], seen.codes[c], ln_exposure);
+    for (const double r : residuals.reshaped()) {
       if (std::isnan(r)) continue;
       squares += std::min(r * r, 25 * noise * noise);  // what moved says nothing of the times
       ++count;
