@@ -6,10 +6,9 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
-#include "libhdr/core/parallel.h"
 #include "libhdr/probe/ball_views.h"
 #include "libhdr/probe/internal/ball_sphere.h"
-#include "libhdr/probe/unwrap.h"
+#include "libhdr/probe/internal/join_bands.h"
 
 namespace hdr {
 namespace {
@@ -35,7 +34,7 @@ bool disagree(const std::vector<double>& weights, const std::vector<double>& lig
   return most > least * std::exp(most_log_ratio);
 }
 
-constexpr int kBand = 4 * Resampler::kGrain;
+using internal::kBand;
 
 /// One view, resampled a band at a time.
 struct Source {
@@ -60,7 +59,8 @@ struct Source {
   }
 
   void read(int first, int count) {
-    resampler.rows(first, {rgb.view().rows(0, count), {}, stddev.empty() ? View<float>() : stddev.view().rows(0, count)});
+    resampler.rows(first,
+                   {rgb.view().rows(0, count), {}, stddev.empty() ? View<float>() : stddev.view().rows(0, count)});
   }
 };
 
@@ -129,30 +129,15 @@ RadianceMap join_ball_views(const std::vector<BallView>& views, const std::vecto
   HDR_ASSERT(!views.empty() && views.size() == registered.size());
   std::vector<std::unique_ptr<Source>> sources;
   double most_log_ratio = 0.4;
-  bool doubts = true, whole = true;
+  bool doubts = true;
   for (std::size_t k = 0; k < views.size(); ++k) {
     sources.push_back(std::make_unique<Source>(views[k], registered[k], to, size, first_from_probe));
     most_log_ratio = std::max(most_log_ratio, 4 * registered[k].overlap_rms);
     doubts &= !views[k].stddev.empty();
   }
-  RadianceMap map;
-  map.rgb = Image<float>(size, views.front().rgb.channels());
-  map.alpha = Image<float>(size, 1);
-  if (doubts) map.stddev = Image<float>(size, map.rgb.channels());
-  map.projection = text_from_projection(to);
-  for (int top = 0; top < size.height; top += kBand) {
-    const int count = std::min(kBand, size.height - top);
-    for (const auto& source : sources) source->read(top, count);
-    const auto join_rows = [&](int first, int last) {
-      Joiner joiner(sources, to, most_log_ratio, map);
-      int all = 1;
-      for (int y = first; y < last; ++y) all &= joiner.join(top, y) ? 1 : 0;
-      return all;
-    };
-    whole &= reduce_rows(count, 4, 1, join_rows, [](int& total, int part) { total &= part; }) == 1;
-  }
-  if (whole) map.alpha = {};
-  return map;
+  return internal::join_in_bands(sources, to, size, views.front().rgb.channels(), doubts, [&](RadianceMap& map) {
+    return [joiner = Joiner(sources, to, most_log_ratio, map)](int top, int y) mutable { return joiner.join(top, y); };
+  });
 }
 
 }  // namespace hdr

@@ -4,19 +4,15 @@
 #include <memory>
 #include <optional>
 
-#include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/fisheye_pair.h"
+#include "libhdr/probe/internal/join_bands.h"
 #include "libhdr/probe/internal/overlap_ring.h"
-#include "libhdr/probe/internal/seam_cut.h"
-#include "libhdr/probe/unwrap.h"
 
 namespace hdr {
 namespace {
 
 using namespace internal;
-
-constexpr int kBand = 4 * Resampler::kGrain;
 
 /// One photograph, resampled a band at a time.
 struct Source {
@@ -103,28 +99,17 @@ class CutBorder : public Border {
  private:
   static std::vector<SeamLayer> layers(const PairPhoto& front, const PairPhoto& back, const FisheyePair& pair,
                                        int width, const Mat3& pair_from_probe) {
-    constexpr int kMostColumns = 640;
-    const int columns = std::min(width, kMostColumns);
-    const Size size{columns, std::max(2, columns / 2)};
+    const Size size = seam_size(width);
     std::vector<SeamLayer> result;
     for (auto& source : sources_of(front, back, pair, size, pair_from_probe)) {
-      SeamLayer layer{Image<float>(size, 3), Image<float>(size, 1), Image<float>(size, 1)};
-      for (int top = 0; top < size.height; top += kBand) {
-        const int count = std::min(kBand, size.height - top);
-        source->read(top, count);
-        for (int y = 0; y < count; ++y) {
-          for (int x = 0; x < columns; ++x) {
-            const Vec3 dir = dir_from_latlong((x + 0.5) / columns, (top + y + 0.5) / size.height);
-            const double aside = source->aside(dir);
-            layer.shown(x, top + y) = source->shown(x, y) > 0 && aside < 1 ? 1.0f : 0.0f;
-            // A little dearer towards the rim, where each lens is blurred.
-            layer.cost(x, top + y) = static_cast<float>(0.2 * std::min(1.0, aside));
-            for (int c = 0; c < 3; ++c)
-              layer.rgb(x, top + y, c) = static_cast<float>(source->view->gain) * source->rgb(x, y, c);
-          }
-        }
-      }
-      result.push_back(std::move(layer));
+      const auto pixel_of = [&](const Vec3& dir, int x, int y) -> std::optional<SeamPixel> {
+        const double aside = source->aside(dir);
+        if (!(source->shown(x, y) > 0 && aside < 1)) return std::nullopt;
+        // A little dearer towards the rim, where each lens is blurred.
+        return SeamPixel{static_cast<float>(0.2 * aside), static_cast<float>(source->view->gain),
+                         source->rgb.pixel(x, y)};
+      };
+      result.push_back(seam_layer(*source, size, pixel_of));
     }
     return result;
   }
@@ -174,24 +159,10 @@ RadianceMap merge_fisheye_pair(const PairPhoto& front, const PairPhoto& back, co
     border = std::make_unique<RingBorder>(front, back, pair, options.feather_degrees);
   }
   const Sources sources = sources_of(front, back, pair, size, pair_from_probe);
-  RadianceMap map;
-  map.rgb = Image<float>(size, 3);
-  map.alpha = Image<float>(size, 1);
-  if (!front.stddev.empty() && !back.stddev.empty()) map.stddev = Image<float>(size, 3);
-  map.projection = LatLong::kName;
-  bool whole = true;
-  for (int top = 0; top < size.height; top += kBand) {
-    const int count = std::min(kBand, size.height - top);
-    for (const auto& source : sources) source->read(top, count);
-    const auto join_rows = [&](int first, int last) {
-      int all = 1;
-      for (int y = first; y < last; ++y) all &= join_row(sources, *border, pair_from_probe, top, y, map) ? 1 : 0;
-      return all;
-    };
-    whole &= reduce_rows(count, 4, 1, join_rows, [](int& total, int part) { total &= part; }) == 1;
-  }
-  if (whole) map.alpha = {};
-  return map;
+  const bool doubts = !front.stddev.empty() && !back.stddev.empty();
+  return join_in_bands(sources, LatLong{size}, size, 3, doubts, [&](RadianceMap& map) {
+    return [&](int top, int y) { return join_row(sources, *border, pair_from_probe, top, y, map); };
+  });
 }
 
 }  // namespace hdr

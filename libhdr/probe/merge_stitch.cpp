@@ -6,16 +6,15 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
-#include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
-#include "libhdr/probe/internal/seam_cut.h"
+#include "libhdr/probe/internal/join_bands.h"
 #include "libhdr/probe/stitch.h"
 #include "libhdr/probe/unwrap.h"
 
 namespace hdr {
 namespace {
 
-constexpr int kBand = 4 * Resampler::kGrain;
+using internal::kBand;
 constexpr double kSharpness = 6;      ///< of the border between two photographs
 constexpr double kDisagreement = 4;   ///< times as sharp where they show different things
 constexpr double kClippedSay = 1e-6;  ///< of a clipped pixel's weight
@@ -121,29 +120,16 @@ Sources sources_of(const std::vector<StitchPhoto>& photos, const Stitch& stitch,
 /// better.
 internal::SeamCut cut(const std::vector<StitchPhoto>& photos, const Stitch& stitch, int width,
                       const Mat3& stitch_from_probe) {
-  constexpr int kMostColumns = 640;
-  const int columns = std::min(width, kMostColumns);
-  const Size size{columns, std::max(2, columns / 2)};
+  const Size size = internal::seam_size(width);
   std::vector<internal::SeamLayer> layers;
   for (auto& source : sources_of(photos, stitch, size, stitch_from_probe)) {
-    internal::SeamLayer layer{Image<float>(size, 3), Image<float>(size, 1), Image<float>(size, 1)};
-    for (int top = 0; top < size.height; top += kBand) {
-      const int count = std::min(kBand, size.height - top);
-      source->read(top, count);
-      for (int y = 0; y < count; ++y) {
-        for (int x = 0; x < columns; ++x) {
-          const Vec3 dir = dir_from_latlong((x + 0.5) / columns, (top + y + 0.5) / size.height);
-          const auto say = say_of(*source, stitch.vignetting, dir, x, y);
-          if (!say) continue;
-          layer.shown(x, top + y) = 1;
-          layer.cost(x, top + y) = say->clipped ? 1.0f : static_cast<float>(0.2 * (1 - say->weight));
-          for (int c = 0; c < 3; ++c) {
-            layer.rgb(x, top + y, c) = static_cast<float>(say->scale) * source->rgb_band(x, y, c);
-          }
-        }
-      }
-    }
-    layers.push_back(std::move(layer));
+    const auto pixel_of = [&](const Vec3& dir, int x, int y) -> std::optional<internal::SeamPixel> {
+      const auto say = say_of(*source, stitch.vignetting, dir, x, y);
+      if (!say) return std::nullopt;
+      return internal::SeamPixel{say->clipped ? 1.0f : static_cast<float>(0.2 * (1 - say->weight)),
+                                 static_cast<float>(say->scale), source->rgb_band.pixel(x, y)};
+    };
+    layers.push_back(internal::seam_layer(*source, size, pixel_of));
   }
   return internal::SeamCut(layers);
 }
@@ -229,26 +215,11 @@ RadianceMap merge_stitch(const std::vector<StitchPhoto>& photos, const Stitch& s
   std::optional<internal::SeamCut> seams;
   if (seam == Seam::kCut) seams.emplace(cut(photos, stitch, width, stitch_from_probe));
   const Sources sources = sources_of(photos, stitch, size, stitch_from_probe);
-  const bool doubts = std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s->stddev_band.empty(); });
-  RadianceMap map;
-  map.rgb = Image<float>(size, 3);
-  map.alpha = Image<float>(size, 1);
-  if (doubts) map.stddev = Image<float>(size, 3);
-  map.projection = LatLong::kName;
-  bool whole = true;
-  for (int top = 0; top < size.height; top += kBand) {
-    const int count = std::min(kBand, size.height - top);
-    for (const auto& source : sources) source->read(top, count);
-    const auto join_rows = [&](int first, int last) {
-      Joiner joiner(sources, stitch, seams, map);
-      int all = 1;
-      for (int y = first; y < last; ++y) all &= joiner.join(top, y) ? 1 : 0;
-      return all;
-    };
-    whole &= reduce_rows(count, 4, 1, join_rows, [](int& total, int part) { total &= part; }) == 1;
-  }
-  if (whole) map.alpha = {};
-  return map;
+  const bool doubts =
+      std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s->stddev_band.empty(); });
+  return internal::join_in_bands(sources, LatLong{size}, size, 3, doubts, [&](RadianceMap& map) {
+    return [joiner = Joiner(sources, stitch, seams, map)](int top, int y) mutable { return joiner.join(top, y); };
+  });
 }
 
 }  // namespace hdr
