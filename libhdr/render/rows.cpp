@@ -49,40 +49,40 @@ void Rays::keep_visible(const Visibility& visibility, const Surfaces& at, int ca
   visibility.keep(at, {at.x.data() + first, at.y.data() + first, at.z.data() + first, x, y, z}, spread, wanted, traced);
 }
 
-void Rays::add(const DirectionPool& pool, std::size_t begin, int camera_ray, float scale, Light& out) const {
-  const auto first = static_cast<std::size_t>(camera_ray * places);
+namespace {
+
+/// Adds weight_of(k), place by place, times a row's light to the camera ray's, wherever the direction is wanted.
+template <class WeightOf>
+void add_weighted(const Rays& rays, const DirectionPool& pool, std::size_t begin, int camera_ray,
+                  const WeightOf& weight_of, Light& out) {
+  const auto first = static_cast<std::size_t>(camera_ray * rays.places);
   const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin;
   float* __restrict to_red = out.rgb[0].data() + first;
   float* __restrict to_green = out.rgb[1].data() + first;
   float* __restrict to_blue = out.rgb[2].data() + first;
-  const float* by = weight.data();
-  const std::int32_t* lanes = wanted.data();
-  for (int k = 0; k < places; ++k) {
-    const float w = lanes[k] != 0 ? scale * by[k] : 0.0f;
+  const std::int32_t* lanes = rays.wanted.data();
+  for (int k = 0; k < rays.places; ++k) {
+    const float w = lanes[k] != 0 ? weight_of(k) : 0.0f;
     to_red[k] += w * red[k];
     to_green[k] += w * green[k];
     to_blue[k] += w * blue[k];
   }
 }
 
+}  // namespace
+
+void Rays::add(const DirectionPool& pool, std::size_t begin, int camera_ray, float scale, Light& out) const {
+  const auto scaled = [scale, by = weight.data()](int k) { return scale * by[k]; };
+  add_weighted(*this, pool, begin, camera_ray, scaled, out);
+}
+
 void Rays::add_balanced(const DirectionPool& pool, std::size_t begin, int camera_ray, const Densities& densities,
                         Light& out) const {
-  const auto first = static_cast<std::size_t>(camera_ray * places);
-  const float *red = pool.red.data() + begin, *green = pool.green.data() + begin, *blue = pool.blue.data() + begin,
-              *pdf = pool.pdf.data() + begin;
-  float* __restrict to_red = out.rgb[0].data() + first;
-  float* __restrict to_green = out.rgb[1].data() + first;
-  float* __restrict to_blue = out.rgb[2].data() + first;
-  const float* cosine = weight.data();
-  const std::int32_t* lanes = wanted.data();
-  for (int k = 0; k < places; ++k) {
+  const auto balanced = [densities, pdf = pool.pdf.data() + begin, cosine = weight.data()](int k) {
     // What is drawn has a density; a weight without one is of a place that nothing is added to.
-    const float density = std::max(densities.probe * pdf[k] + densities.surface * cosine[k], 1e-30f);
-    const float w = lanes[k] != 0 ? cosine[k] / density : 0.0f;
-    to_red[k] += w * red[k];
-    to_green[k] += w * green[k];
-    to_blue[k] += w * blue[k];
-  }
+    return cosine[k] / std::max(densities.probe * pdf[k] + densities.surface * cosine[k], 1e-30f);
+  };
+  add_weighted(*this, pool, begin, camera_ray, balanced, out);
 }
 
 }  // namespace hdr
