@@ -168,9 +168,10 @@ TEST_F(Unwrap, AScanOfUnknownFieldIsWhatTheOptionsSay) {
   EXPECT_LT(off / (70 * 256), 0.01);
   EXPECT_EQ(sphere.alpha(100, 10), 0);
   EXPECT_EQ(sphere.alpha(100, 64), 1);
-  expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--fov", "370"}, {"370", "--crop"});
+  expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--fov", "370"},
+                 {"370", "--crop"});
   expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--crop", "0,10,257,85"},
-                 {"crop", "256x95"});
+                 {"scan.exr: --crop", "256x95"});
   expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr"), "--from", "panorama", "--centre", "0,80"},
                  {"beyond a pole"});
   expect_refusal({"unwrap", at("scan.exr"), "-o", at("x.exr")}, {"scan.exr", "--from", "panorama"});
@@ -182,8 +183,8 @@ TEST_F(Unwrap, TheHorizonBecomesLevel) {
   const LatLong map{{256, 128}};
   const Mat3 turn = rotation_from_degrees({8, 0, -5});
   const Vec2 a = *map.px_from_dir(turn * Vec3(0, 0, 1)), b = *map.px_from_dir(turn * Vec3(1, 0, 0));
-  const std::string points = std::to_string(a.x()) + "," + std::to_string(a.y()) + "," + std::to_string(b.x()) + "," +
-                             std::to_string(b.y());
+  const std::string points =
+      std::to_string(a.x()) + "," + std::to_string(a.y()) + "," + std::to_string(b.x()) + "," + std::to_string(b.y());
   answer_of({"unwrap", at("tilted.exr"), "-o", at("l.exr"), "--horizon", points, "--width", "256", "--type", "float"});
   const RadianceMap level = read_map(scratch_ / "l.exr").map, truth = read_map(world()).map;
   // Up to a turn about the vertical: the mean of each row is as it was, but for two resamplings of a sun, and of the

@@ -114,12 +114,18 @@ RadianceMap cropped(const RadianceMap& picture, const UnwrapFlags& flags, const 
     const Projection from = projection_of_probe(from_text, picture.projection, picture.size(), source);
     const auto* panorama = std::get_if<Panorama>(&from);
     if (!panorama && !is_plain_latlong(from)) {
-      throw Error(fmt::format("{}: --crop is for lat-longs and panoramas; of other pictures give --ball or --circle",
-                              source));
+      throw Error(
+          fmt::format("{}: --crop is for lat-longs and panoramas; of other pictures give --ball or --circle", source));
     }
     if (panorama) all = *panorama;
   }
-  const Panorama part = hdr::cropped(all, x, y, size);
+  const auto part = [&] {
+    try {
+      return hdr::cropped(all, x, y, size);
+    } catch (const Error& error) {
+      throw Error(source + ": --" + error.what());
+    }
+  }();
   const auto copy = [&](const Image<float>& plane) {
     if (plane.empty()) return Image<float>();
     Image<float> result(size, plane.channels());
@@ -127,8 +133,8 @@ RadianceMap cropped(const RadianceMap& picture, const UnwrapFlags& flags, const 
       std::copy_n(plane.pixel(x, y + row), size.width * plane.channels(), result.row(row));
     return result;
   };
-  RadianceMap result{copy(picture.rgb), copy(picture.alpha), copy(picture.stddev), picture.chromaticities,
-                     picture.white_luminance, known ? text_from_projection(part) : ""};
+  RadianceMap result{copy(picture.rgb),      copy(picture.alpha),     copy(picture.stddev),
+                     picture.chromaticities, picture.white_luminance, known ? text_from_projection(part) : ""};
   return result;
 }
 
@@ -157,8 +163,9 @@ Mat3 level_from_picture(Run& run, const RadianceMap& picture, const Projection& 
     return find_level(sphere.rgb, sphere.alpha);
   });
   if (!found) {
-    throw Error(source + ": too little in it is vertical to find its level; give --horizon X,Y,X,Y (points on the "
-                         "horizon) or --rotate");
+    throw Error(source +
+                ": too little in it is vertical to find its level; give --horizon X,Y,X,Y (points on the "
+                "horizon) or --rotate");
   }
   run.answer["level"] = {{"tilt_degrees", found->tilt_degrees}, {"support", found->support}};
   run.say(fmt::format("levelled: it was tilted by {:.2f} degrees ({:.0f} % of its edges say so)", found->tilt_degrees,
@@ -206,8 +213,7 @@ RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFla
     if (!part.projection.empty()) whole.from = "";
     return unwrap_picture(run, part, whole, default_from, source);
   }
-  Projection from =
-      projection_of_probe(flags.with_field(from_text), picture.projection, picture.size(), source);
+  Projection from = projection_of_probe(flags.with_field(from_text), picture.projection, picture.size(), source);
   if (std::holds_alternative<MirrorBall>(from)) {
     const MirrorBall ball = ball_geometry(run, picture, flags, source).ball;
     from = ball;
