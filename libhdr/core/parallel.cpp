@@ -9,8 +9,8 @@
 
 #include "libhdr/core/error.h"
 
-// Debian's oneTBB is not built for the thread sanitizer, which then does not see that work starts after for_rows is called
-// and ends before it returns. These two calls tell it; a race between the bodies themselves is still one.
+// Debian's oneTBB is not built for the thread sanitizer, which then does not see that work starts after for_rows is
+// called and ends before it returns. These two calls tell it; a race between the bodies themselves is still one.
 #ifdef __SANITIZE_THREAD__
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);

@@ -133,10 +133,10 @@ void PixelFilter::write_deviation(int region, const Vec2& px, const KernelShape&
 void PixelFilter::write_deviation(KernelKind kind, int region, const Vec2& px, const KernelShape& shape,
                                   float* deviation) {
   constexpr Of kOf = Of::kDeviations;
-  const Sums sums = kind == KernelKind::kSharp  ? add<kOf, SharpKernel>(region, px, shape)
-                    : kind == KernelKind::kTent ? add<kOf, TentKernel>(region, px, shape)
+  const Sums sums = kind == KernelKind::kSharp    ? add<kOf, SharpKernel>(region, px, shape)
+                    : kind == KernelKind::kTent   ? add<kOf, TentKernel>(region, px, shape)
                     : kind == KernelKind::kSpline ? add<kOf, CardinalSplineKernel>(region, px, {})
-                                                : add<kOf, InterpolatingKernel>(region, px, {});
+                                                  : add<kOf, InterpolatingKernel>(region, px, {});
   write_root(sums, deviation);
 }
 

@@ -175,9 +175,8 @@ struct DualParaboloid {
   std::optional<Vec2> px_from_dir(const Vec3& dir) const;
 };
 
-using Projection =
-    std::variant<LatLong, Panorama, AngularMap, MirrorBall, Rectilinear, Fisheye, Cube, Octahedral, Hemisphere,
-                 DualParaboloid>;
+using Projection = std::variant<LatLong, Panorama, AngularMap, MirrorBall, Rectilinear, Fisheye, Cube, Octahedral,
+                                Hemisphere, DualParaboloid>;
 
 std::optional<Vec3> dir_from_px(const Projection& projection, const Vec2& px);
 std::optional<Vec2> px_from_dir(const Projection& projection, const Vec3& dir);
@@ -195,22 +194,23 @@ void require_valid(const Projection& projection);
 bool shows_whole_sphere(const Projection& projection);
 
 /// The text of hdr:projection: "latlong", "angular", "mirror-ball cx=1000.5 cy=750 r=600 distance=20", "rectilinear
-/// fov=60", "panorama fov=180 vfov=90 azimuth=30 elevation=0", "fisheye cx=500 cy=500 r=480 fov=190 lens=equisolid", "cube-strip convention=opengl". Numbers survive the
-/// round trip exactly. A far camera has no distance; an angular map that fills its square has no disc; what is at its
-/// default is left out.
+/// fov=60", "panorama fov=180 vfov=90 azimuth=30 elevation=0", "fisheye cx=500 cy=500 r=480 fov=190 lens=equisolid",
+/// "cube-strip convention=opengl". Numbers survive the round trip exactly. A far camera has no distance; an angular map
+/// that fills its square has no disc; what is at its default is left out.
 std::string text_from_projection(const Projection& projection);
 
 /// A name ("latlong" or "lat-long", "angular", "mirror-ball", "fisheye", "rectilinear", "cube-cross" (the picture's
 /// shape says which), "cube-cross-vertical", "cube-strip" (likewise), "cube-faces", "octahedral", "hemisphere",
-/// "dual-paraboloid", "panorama") or a text of the above for a picture of this size; parameters that are absent take their defaults
-/// (the inscribed disc, far, 90 degrees, fisheyes 180). nullopt: unknown name or parameter. Error: a geometry that
-/// cannot be, such as a cube whose faces are not square. A panorama of the whole sphere is a LatLong; without vfov its
-/// pixels are square.
+/// "dual-paraboloid", "panorama") or a text of the above for a picture of this size; parameters that are absent take
+/// their defaults (the inscribed disc, far, 90 degrees, fisheyes 180). nullopt: unknown name or parameter. Error: a
+/// geometry that cannot be, such as a cube whose faces are not square. A panorama of the whole sphere is a LatLong;
+/// without vfov its pixels are square.
 std::optional<Projection> projection_from_text(const std::string& text, Size size);
 
 /// The projection of this name (as above) and the size of its picture, for a picture of a given width to be written:
-/// discs are inscribed in a square, a lat-long is twice as wide as high, a panorama has square pixels at the horizon, cube-faces are squares of that width, a strip
-/// is vertical. nullopt: unknown. Error: a width that faces do not divide.
+/// discs are inscribed in a square, a lat-long is twice as wide as high, a panorama has square pixels at the horizon,
+/// cube-faces are squares of that width, a strip is vertical. nullopt: unknown. Error: a width that faces do not
+/// divide.
 struct NewPicture {
   Projection projection;
   Size size;

@@ -238,7 +238,8 @@ std::optional<NewPicture> picture_of_width(const std::string& text, int width) {
     const auto* map = part ? std::get_if<Panorama>(&*part) : nullptr;
     if (!map) return part ? std::optional(NewPicture{*part, size}) : std::nullopt;
     Panorama panorama = *map;
-    panorama.size = size = {width, std::max(1, static_cast<int>(std::lround(width * map->vfov_degrees / map->fov_degrees)))};
+    panorama.size =
+        size = {width, std::max(1, static_cast<int>(std::lround(width * map->vfov_degrees / map->fov_degrees)))};
     return NewPicture{panorama, size};
   }
   auto projection = projection_from_text(text, size);

@@ -169,9 +169,9 @@ void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns,
   ceres::Problem problem;
   ceres::LossFunction* loss = new ceres::CauchyLoss(kCauchy);
   for (const auto& [i, j, dir, weight] : pairs) {
-    auto* cost = new ceres::NumericDiffCostFunction<Disagreement, ceres::FORWARD, 1, 3, 3, 1, 1, 1, 1, 3, 3>(
-        new Disagreement{&pictures[i], &pictures[j], unknowns[i].first, unknowns[j].first, dir,
-                         std::sqrt(weight) / deviation});
+    auto* cost =
+        new ceres::NumericDiffCostFunction<Disagreement, ceres::FORWARD, 1, 3, 3, 1, 1, 1, 1, 3, 3>(new Disagreement{
+            &pictures[i], &pictures[j], unknowns[i].first, unknowns[j].first, dir, std::sqrt(weight) / deviation});
     problem.AddResidualBlock(cost, loss, unknowns[i].turn, unknowns[j].turn, &unknowns[i].log_gain,
                              &unknowns[j].log_gain, &unknowns[i].inverse_distance, &unknowns[j].inverse_distance,
                              unknowns[i].outline, unknowns[j].outline);

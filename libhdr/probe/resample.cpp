@@ -232,8 +232,7 @@ Resampler::~Resampler() = default;
 void Resampler::rows(int first, const Band& band) const {
   static_assert(kGrain == Tile::kSide);
   const View<float>& values = band.values;
-  HDR_ASSERT(first % kGrain == 0 && first + values.height() <= job_->size.height &&
-             values.width() == job_->size.width);
+  HDR_ASSERT(first % kGrain == 0 && first + values.height() <= job_->size.height && values.width() == job_->size.width);
   for_rows(values.height(), kGrain, [&](int begin, int end) {
     const auto part_of = [&](const View<float>& plane) { return plane.empty() ? plane : plane.rows(begin, end); };
     Band part{part_of(values), part_of(band.shown), part_of(band.stddev)};

@@ -58,8 +58,8 @@ void expect_true_exposures(const std::vector<Frame>& frames, const Simulator& si
   }
 }
 
-/// A camera as it is, and what was asked of it when: how late it really obeys depends on the host too, whose frames wait
-/// in the driver's queue while the one before is looked at.
+/// A camera as it is, and what was asked of it when: how late it really obeys depends on the host too, whose frames
+/// wait in the driver's queue while the one before is looked at.
 class Witnessed : public CameraDevice {
  public:
   explicit Witnessed(CameraDevice& camera) : camera_(camera) {}
@@ -77,8 +77,8 @@ class Witnessed : public CameraDevice {
   }
   void stop() override { camera_.stop(); }
 
-  /// For each change of the exposure time, by the sensor's log: numbers of frames between the last that had come when it
-  /// was asked for, and the first to come that obeys. Changes which no frame obeyed are left out.
+  /// For each change of the exposure time, by the sensor's log: numbers of frames between the last that had come when
+  /// it was asked for, and the first to come that obeys. Changes which no frame obeyed are left out.
   std::vector<int> latencies(const std::vector<Simulator::Used>& used) const {
     std::map<int, double> truth;
     for (const Simulator::Used& u : used) {

@@ -76,9 +76,10 @@ void warn_of_cameras_in_one_place(Run& run, const std::vector<std::string>& imag
     }
   }
   if (widest >= kApart) return;
-  run.warn(fmt::format("{}: all views are within {:.0f} degrees: the photographer stays in the sphere; take one from "
-                       "the side, best 90 degrees away",
-                       images.back(), widest));
+  run.warn(
+      fmt::format("{}: all views are within {:.0f} degrees: the photographer stays in the sphere; take one from "
+                  "the side, best 90 degrees away",
+                  images.back(), widest));
 }
 
 void answer_views(Run& run, const std::vector<std::string>& images, const std::vector<RegisteredView>& registered,

@@ -78,10 +78,11 @@ void write_render_report(const ReportFlag& flag, const Run& run, const Rendering
   page.add({"picture-section", "The picture", html});
   if (const Image<float> error = relative_error(result); !error.empty()) {
     const Image<float> shown = report::reduced(error.view(), kRenderPixels);
-    page.add({"error-section", "Where it is unsure",
-              "<p>Standard error of each pixel's luminance over its value: white at the exposure of 0 stops is 100 %, at "
-              "5 stops 3 %. Black: not lit, or so sure that all its passes agreed.</p>\n" +
-                  html_of(report::Picture{"error", shown, metered_stops(shown), {}, {}, {}}, page)});
+    page.add(
+        {"error-section", "Where it is unsure",
+         "<p>Standard error of each pixel's luminance over its value: white at the exposure of 0 stops is 100 %, at "
+         "5 stops 3 %. Black: not lit, or so sure that all its passes agreed.</p>\n" +
+             html_of(report::Picture{"error", shown, metered_stops(shown), {}, {}, {}}, page)});
   }
   add_stages(page, run);
   page.write(flag.path);

@@ -172,11 +172,10 @@ int stitch(Run& run, const Options& o) {
   });
   answer_views(run, names, solved, probe_from_stitch);
   warn_of_clipping(run, photos, names);
-  RadianceMap map =
-      run.stage("join", [&] { 
-        return merge_stitch(photos, solved, o.width, probe_from_stitch.transpose(),
-                            o.seam == "cut" ? Seam::kCut : Seam::kFeather);
-      });
+  RadianceMap map = run.stage("join", [&] {
+    return merge_stitch(photos, solved, o.width, probe_from_stitch.transpose(),
+                        o.seam == "cut" ? Seam::kCut : Seam::kFeather);
+  });
   const auto first = static_cast<std::size_t>(
       std::find_if(solved.photos.begin(), solved.photos.end(), [](const StitchedPhoto& p) { return p.used; }) -
       solved.photos.begin());

@@ -30,7 +30,9 @@ void require_one_picture(const Options& o) {
   const UnwrapFlags& u = o.unwrap;
   if (!u.level && u.horizon.empty() && u.crop.empty()) return;
   throw Error(fmt::format("{} is for one picture; join them first, and then level or crop what was written",
-                          u.level ? "--level" : u.crop.empty() ? "--horizon" : "--crop"));
+                          u.level          ? "--level"
+                          : u.crop.empty() ? "--horizon"
+                                           : "--crop"));
 }
 
 RadianceMap unwrap_images(Run& run, const Options& o, bool ball_views) {

@@ -14,9 +14,10 @@ struct PixelBox {
   int first_x, first_y, last_x, last_y;
 };
 
-/// A lat-long wraps at its seam and continues over its poles, a panorama of 360 degrees at its seam, an octahedron over its edges; beyond a cube's face, one
-/// of two paraboloids or an angular map's rim its own formula goes on into another place of the picture. A ball's or
-/// lens's disc ends: the background beside it is not light that it showed, so pixels that the rim cuts do not count.
+/// A lat-long wraps at its seam and continues over its poles, a panorama of 360 degrees at its seam, an octahedron over
+/// its edges; beyond a cube's face, one of two paraboloids or an angular map's rim its own formula goes on into another
+/// place of the picture. A ball's or lens's disc ends: the background beside it is not light that it showed, so pixels
+/// that the rim cuts do not count.
 class Neighbourhood {
  public:
   Neighbourhood(View<const float> pixels, const Projection& projection);

@@ -39,8 +39,9 @@ struct RectilinearCase {
 template <int kFov, int kVfov, int kAzimuth, int kElevation>
 struct PanoramaCase {
   static Panorama projection() { return {{210, 90}, kFov, kVfov, kAzimuth, kElevation}; }
-  static inline const double kCovered = kFov * kDegree * (std::sin((kElevation + 0.5 * kVfov) * kDegree) -
-                                                          std::sin((kElevation - 0.5 * kVfov) * kDegree));
+  static inline const double kCovered =
+      kFov * kDegree *
+      (std::sin((kElevation + 0.5 * kVfov) * kDegree) - std::sin((kElevation - 0.5 * kVfov) * kDegree));
 };
 template <Convention kConvention>
 struct TurnedLatLongCase {

@@ -22,7 +22,8 @@ struct Person {
   bool covers(const Vec3& d, double grown = 1) const {
     const Vec3 right = middle.cross(Vec3::UnitY()).normalized(), up = right.cross(middle);
     if (d.dot(middle) < 0.5) return false;
-    const double x = std::asin(d.dot(right)) / (grown * wide * kDegree), y = std::asin(d.dot(up)) / (grown * tall * kDegree);
+    const double x = std::asin(d.dot(right)) / (grown * wide * kDegree),
+                 y = std::asin(d.dot(up)) / (grown * tall * kDegree);
     return x * x + y * y < 1;
   }
 };
@@ -122,7 +123,8 @@ TEST(Seam, SomebodyWhoWalksInTheOverlapOfPhotographsIsNotCutInTwo) {
     const Image<float> feathered = merge_stitch(photos, stitch, 720).rgb;
     EXPECT_PRED1(whole, share_of_coat(cut, world, here)) << "seed " << seed;
     EXPECT_PRED1(whole, share_of_coat(cut, world, next)) << "seed " << seed;
-    cut_by_feather += whole(share_of_coat(feathered, world, here)) && whole(share_of_coat(feathered, world, next)) ? 0 : 1;
+    cut_by_feather +=
+        whole(share_of_coat(feathered, world, here)) && whole(share_of_coat(feathered, world, next)) ? 0 : 1;
     EXPECT_LT(median_off(cut, world, {here, next}), 0.02) << "the exposure is kept, seed " << seed;
   }
   EXPECT_GE(cut_by_feather, 2) << "or else this test proves nothing";
@@ -142,10 +144,8 @@ TEST(Seam, SomebodyWhoWalksBetweenTwoFisheyesIsNotCutInTwo) {
     // The border of the two is 90 degrees from the axis.
     const Person here{towards(90 + 6 * random.uniform() - 3, 5), 6, 12}, next{towards(100, -40), 6, 12};
     const Image<float> front = photograph(Moment{&world, {here}}, lens, size, Mat3::Identity(), 1);
-    const Image<float> back =
-        photograph(Moment{&world, {next}}, lens, size, pair.views[1].probe_from_view, gain);
-    const RadianceMap map =
-        merge_fisheye_pair({front}, {back}, pair, 720, Mat3::Identity(), {Seam::kCut});
+    const Image<float> back = photograph(Moment{&world, {next}}, lens, size, pair.views[1].probe_from_view, gain);
+    const RadianceMap map = merge_fisheye_pair({front}, {back}, pair, 720, Mat3::Identity(), {Seam::kCut});
     EXPECT_PRED1(whole, share_of_coat(map.rgb, world, here)) << "seed " << seed;
     EXPECT_PRED1(whole, share_of_coat(map.rgb, world, next)) << "seed " << seed;
     EXPECT_LT(median_off(map.rgb, world, {here, next}), 0.02) << "seed " << seed;
