@@ -65,10 +65,13 @@ class Witnessed : public CameraDevice {
   explicit Witnessed(CameraDevice& camera) : camera_(camera) {}
   Capabilities capabilities() const override { return camera_.capabilities(); }
   FrameFormat configure(const Configuration& configuration) override { return camera_.configure(configuration); }
-  void start(const ExposureSetting& first) override { camera_.start(first); }
+  void start(const ExposureSetting& first) override {
+    camera_.start(first);
+    asked_.push_back({first.seconds, sequences_.size()});
+  }
   void set(const ExposureSetting& setting) override {
     camera_.set(setting);
-    if (!sequences_.empty()) asked_.push_back({setting.seconds, sequences_.size()});
+    asked_.push_back({setting.seconds, sequences_.size()});
   }
   Frame next_frame(Clock::time_point deadline) override {
     Frame frame = camera_.next_frame(deadline);
@@ -78,7 +81,8 @@ class Witnessed : public CameraDevice {
   void stop() override { camera_.stop(); }
 
   /// For each change of the exposure time, by the sensor's log: numbers of frames between the last that had come when
-  /// it was asked for, and the first to come that obeys. Changes which no frame obeyed are left out.
+  /// it was asked for, and the first to come that obeys. The first change, from what start() asked for, is the one that
+  /// shoot() learns its latency from. Changes before any frame and those which no frame obeyed are left out.
   std::vector<int> latencies(const std::vector<Simulator::Used>& used) const {
     std::map<int, double> truth;
     for (const Simulator::Used& u : used) {
@@ -87,7 +91,7 @@ class Witnessed : public CameraDevice {
     std::vector<int> all;
     for (std::size_t k = 1; k < asked_.size(); ++k) {
       const Asked& to = asked_[k];
-      if (std::abs(to.seconds - asked_[k - 1].seconds) < 1e-6) continue;
+      if (to.frames == 0 || std::abs(to.seconds - asked_[k - 1].seconds) < 1e-6) continue;
       const std::size_t end = k + 1 < asked_.size() ? asked_[k + 1].frames : sequences_.size();
       for (std::size_t i = to.frames; i < end; ++i) {
         const auto at = truth.find(static_cast<int>(sequences_[i]));
