@@ -1,18 +1,24 @@
+// Angles by loops without a branch, which the compiler makes vectors of, for each kind of vector that Highway knows of.
 #include "libhdr/render/internal/latlong_lookup.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
-namespace hdr {
-namespace {
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "libhdr/render/latlong_lookup.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
 
-// Angle of the point (x, y) from the x axis, -pi..pi. [Abramowitz64] 4.4.49: arctan on [0, 1] within 2e-8. Written
-// without a branch, so that a loop of it becomes vector code.
-inline float angle_of(float y, float x) {
-  const float ax = std::abs(x), ay = std::abs(y);
-  const float larger = std::max(ax, ay), smaller = std::min(ax, ay);
-  const float a = smaller / std::max(larger, 1e-30f), s = a * a;
+HWY_BEFORE_NAMESPACE();
+namespace hdr::internal::HWY_NAMESPACE {
+
+// Angle of the point (x, y) from the x axis, -pi..pi. [Abramowitz64] 4.4.49: arctan on [0, 1] within 2e-8.
+HWY_INLINE float angle_of(float y, float x) {
+  const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
+  const float larger = ax > ay ? ax : ay, smaller = ax > ay ? ay : ax;
+  const float a = smaller / (larger > 1e-30f ? larger : 1e-30f), s = a * a;
   float p = 0.0028662257f;
   p = p * s - 0.0161657367f;
   p = p * s + 0.0429096138f;
@@ -25,38 +31,59 @@ inline float angle_of(float y, float x) {
   constexpr float kHalf = std::numbers::pi_v<float> / 2;
   p = ay > ax ? kHalf - p : p;
   p = x < 0 ? 2 * kHalf - p : p;
-  return std::copysign(p, y);
+  return __builtin_copysignf(p, y);
 }
 
-}  // namespace
-
-void latlong_offsets(const float* dir_x, const float* dir_y, const float* dir_z, int count, View<const float> map,
-                     std::int32_t* offsets) {
-  const Size size = map.size();
-  const auto stride = static_cast<std::int32_t>(map.stride()), channels = map.channels();
-  const float columns = static_cast<float>(size.width) / (2 * std::numbers::pi_v<float>);
-  const float rows = static_cast<float>(size.height) / std::numbers::pi_v<float>;
-  const int last_column = size.width - 1, last_row = size.height - 1;
+// Columns and rows, from the map's corner, of u = 1/2 - azimuth / (2 pi), v = polar / pi, both without the cancellation
+// of an arc cosine.
+void LatlongPlaces(const float* dir_x, const float* dir_y, const float* dir_z, int count, const Size& size,
+                   float* HWY_RESTRICT x, float* HWY_RESTRICT y) {
+  const float width = static_cast<float>(size.width);
+  const float per_radian = width / (2 * std::numbers::pi_v<float>);
+  const float rows_per_radian = static_cast<float>(size.height) / std::numbers::pi_v<float>;
   for (int k = 0; k < count; ++k) {
-    const float horizontal = std::sqrt(dir_x[k] * dir_x[k] + dir_z[k] * dir_z[k]);
-    // u = 1/2 - azimuth / (2 pi), v = polar / pi, both without the cancellation of an arc cosine.
-    const float u = 0.5f * static_cast<float>(size.width) - columns * angle_of(dir_x[k], dir_z[k]);
-    const float v = rows * angle_of(horizontal, dir_y[k]);
-    const int x = std::clamp(static_cast<int>(u), 0, last_column);
-    const int y = std::clamp(static_cast<int>(v), 0, last_row);
-    offsets[k] = y * stride + channels * x;
+    const float horizontal = __builtin_sqrtf(dir_x[k] * dir_x[k] + dir_z[k] * dir_z[k]);
+    x[k] = 0.5f * width - per_radian * angle_of(dir_x[k], dir_z[k]);
+    y[k] = rows_per_radian * angle_of(horizontal, dir_y[k]);
   }
 }
 
-Rgbf smooth_pixel(View<const float> map, const Vec3f& dir) {
+void LatlongOffsets(const float* dir_x, const float* dir_y, const float* dir_z, int count, View<const float> map,
+                    std::int32_t* HWY_RESTRICT offsets) {
+  constexpr int kAtOnce = 64;
+  float x[kAtOnce], y[kAtOnce];
+  const auto stride = static_cast<std::int32_t>(map.stride()), channels = map.channels();
+  const int last_column = map.width() - 1, last_row = map.height() - 1;
+  for (int first = 0; first < count; first += kAtOnce) {
+    const int here = count - first < kAtOnce ? count - first : kAtOnce;
+    LatlongPlaces(dir_x + first, dir_y + first, dir_z + first, here, map.size(), x, y);
+    std::int32_t* HWY_RESTRICT out = offsets + first;
+    for (int k = 0; k < here; ++k) {
+      int column = static_cast<int>(x[k]), row = static_cast<int>(y[k]);
+      column = column < 0 ? 0 : column > last_column ? last_column : column;
+      row = row < 0 ? 0 : row > last_row ? last_row : row;
+      out[k] = row * stride + channels * column;
+    }
+  }
+}
+
+}  // namespace hdr::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hdr {
+namespace internal {
+HWY_EXPORT(LatlongPlaces);
+HWY_EXPORT(LatlongOffsets);
+}  // namespace internal
+
+namespace {
+
+// At x columns and y rows from the map's corner.
+Rgbf smooth_at(View<const float> map, float x, float y) {
   const int width = map.width(), height = map.height();
-  const float horizontal = std::sqrt(dir.x() * dir.x() + dir.z() * dir.z());
-  const float per_turn = static_cast<float>(width) / (2 * std::numbers::pi_v<float>);
-  const float per_half_turn = static_cast<float>(height) / std::numbers::pi_v<float>;
-  const float x = 0.5f * static_cast<float>(width) - per_turn * angle_of(dir.x(), dir.z()) - 0.5f;
-  const float y = per_half_turn * angle_of(horizontal, dir.y()) - 0.5f;
-  const float left = std::floor(x), top = std::floor(y);
-  const float right_share = x - left, lower_share = y - top;
+  const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
+  const float right_share = x - 0.5f - left, lower_share = y - 0.5f - top;
   // The seam is no edge, and over a pole the map goes on half a turn away.
   const auto row_of = [&](int j) {
     const bool over = j < 0 || j >= height;
@@ -68,4 +95,33 @@ Rgbf smooth_pixel(View<const float> map, const Vec3f& dir) {
   return row_of(static_cast<int>(top)) * (1 - lower_share) + row_of(static_cast<int>(top) + 1) * lower_share;
 }
 
+}  // namespace
+
+void latlong_offsets(const float* dir_x, const float* dir_y, const float* dir_z, int count, View<const float> map,
+                     std::int32_t* offsets) {
+  HWY_DYNAMIC_DISPATCH(internal::LatlongOffsets)(dir_x, dir_y, dir_z, count, map, offsets);
+}
+
+void smooth_pixels(View<const float> map, std::span<const Vec3f> dirs, std::span<Rgbf> pixels) {
+  constexpr std::size_t kAtOnce = 64;
+  std::array<float, kAtOnce> dir_x, dir_y, dir_z, x, y;
+  for (std::size_t first = 0; first < dirs.size(); first += kAtOnce) {
+    const std::size_t here = std::min(dirs.size() - first, kAtOnce);
+    for (std::size_t k = 0; k < here; ++k) {
+      const Vec3f& dir = dirs[first + k];
+      dir_x[k] = dir.x(), dir_y[k] = dir.y(), dir_z[k] = dir.z();
+    }
+    HWY_DYNAMIC_DISPATCH(internal::LatlongPlaces)
+    (dir_x.data(), dir_y.data(), dir_z.data(), static_cast<int>(here), map.size(), x.data(), y.data());
+    for (std::size_t k = 0; k < here; ++k) pixels[first + k] = smooth_at(map, x[k], y[k]);
+  }
+}
+
+Rgbf smooth_pixel(View<const float> map, const Vec3f& dir) {
+  Rgbf pixel;
+  smooth_pixels(map, {&dir, 1}, {&pixel, 1});
+  return pixel;
+}
+
 }  // namespace hdr
+#endif

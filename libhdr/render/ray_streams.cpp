@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "libhdr/render/internal/row_kernels.h"
+
 namespace hdr {
 namespace {
 
@@ -96,15 +98,13 @@ int trace_occlusion(RTCScene tree, const RayArrays& rays, Spread spread, std::sp
   for (std::size_t first = 0; first < wanted.size(); first += kMost) {
     const std::size_t count = std::min(kMost, wanted.size() - first);
     std::int32_t* lanes = wanted.data() + first;
-    int here = 0;
-    for (std::size_t k = 0; k < count; ++k) here -= lanes[k];
+    const int here = open_rays(lanes, count, far.data());
     traced += here;
     if (here == 0) continue;
     // Gathering costs more than some idle lanes.
     if (8 * static_cast<std::size_t>(here) >= 7 * count) {
-      for (std::size_t k = 0; k < count; ++k) far[k] = lanes[k] != 0 ? kFar : -kFar;
       stream.occlude(rays, first, count, far.data());
-      for (std::size_t k = 0; k < count; ++k) lanes[k] = far[k] < 0 ? 0 : -1;
+      close_rays(far.data(), count, lanes);
     } else {
       for (std::size_t k = 0; k < count; ++k)
         if (lanes[k] != 0) gathered.add(rays, first + k);

@@ -37,8 +37,11 @@ struct TilePainter::Workspace {
   Surfaces surfaces;
   std::vector<float> eye_x, eye_y, eye_z, px, py, dir_x, dir_y, dir_z;
   std::vector<std::optional<Hit>> hits;
-  std::vector<Rgbf> carried;   ///< of each place: what mirrors on the way leave of its light
-  std::vector<Rgbf> backdrop;  ///< of each place: the probe, seen beside the scene
+  std::vector<Rgbf> carried;        ///< of each place: what mirrors on the way leave of its light
+  std::vector<Rgbf> backdrop;       ///< of each place: the probe, seen beside the scene
+  std::vector<std::size_t> beside;  ///< places of one camera ray that see it
+  std::vector<Vec3f> beside_dirs;
+  std::vector<Rgbf> beside_pixels;
   std::vector<Vec3f> normals;
   std::vector<std::uint8_t> covered, ground;  ///< by objects, and by shadow catchers
   Light irradiance, radiance;
@@ -104,7 +107,8 @@ void TilePainter::follow(const Vec3f& towards, int place, std::optional<Hit>& hi
   if (hit) {
     work.surfaces.set(place, *hit, -dir, integrator_->openness());
   } else {
-    work.backdrop[k] = carried * smooth_pixel(setting_.light.latlong(), dir);
+    work.beside.push_back(k);
+    work.beside_dirs.push_back(dir);
   }
 }
 
@@ -127,6 +131,12 @@ void TilePainter::trace(const Pass& pass, int camera_ray, Workspace& work, std::
     follow({work.dir_x[k], work.dir_y[k], work.dir_z[k]}, camera_ray * work.surfaces.places + static_cast<int>(k),
            work.hits[k], work, rays);
   }
+  work.beside_pixels.resize(work.beside.size());
+  smooth_pixels(setting_.light.latlong(), work.beside_dirs, work.beside_pixels);
+  for (std::size_t k = 0; k < work.beside.size(); ++k)
+    work.backdrop[work.beside[k]] = work.carried[work.beside[k]] * work.beside_pixels[k];
+  work.beside.clear();
+  work.beside_dirs.clear();
 }
 
 // The mean over each pixel's camera rays.

@@ -1,6 +1,7 @@
 #pragma once
 // Pixels of a lat-long that directions meet, many at once.
 #include <cstdint>
+#include <span>
 
 #include "libhdr/core/image.h"
 #include "libhdr/core/vec.h"
@@ -15,5 +16,7 @@ void latlong_offsets(const float* dir_x, const float* dir_y, const float* dir_z,
 
 /// Between pixel centres of a map with three channels, for what is looked at, as Environment::smooth_radiance().
 Rgbf smooth_pixel(View<const float> map, const Vec3f& dir);
+/// As many `pixels` as `dirs`.
+void smooth_pixels(View<const float> map, std::span<const Vec3f> dirs, std::span<Rgbf> pixels);
 
 }  // namespace hdr
