@@ -2,8 +2,10 @@
 // single pixels and columns. Calibrating, aligning and merging end with an Error in words or with finite numbers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <variant>
 
 #include "libhdr/align/align.h"
 #include "libhdr/core/parallel.h"
@@ -104,6 +106,30 @@ RC_GTEST_PROP(BracketStress, MergingGivesLight, ()) {
   } catch (const Error& e) {
     RC_ASSERT(std::strlen(e.what()) > 10u);
   }
+}
+
+// Where shots that see nothing outvote one that sees a little, the likeliest light is little, and not less than none.
+RC_GTEST_PROP(BracketStress, MostlyBlackIsNotLessThanBlack, ()) {
+  BracketCase plan;
+  plan.width = 16;
+  plan.height = 4;
+  plan.shots = *rc::gen::inRange(2, 9);
+  plan.bits = *rc::gen::element(8, 12, 16);
+  plan.stops_apart = *rc::gen::element(0.1, 0.5, 2.0);
+  plan.seed = *rc::gen::inRange<std::uint64_t>(0, 10000);
+  Bracket bracket = made(plan);
+  const int seen = *rc::gen::inRange(0, plan.shots), code = *rc::gen::inRange(1, 6);
+  for (int j = 0; j < plan.shots; ++j) {
+    const auto fill = [&](auto& codes) {
+      for (int y = 0; y < plan.height; ++y) std::fill_n(codes.row(y), codes.row_samples(), j == seen ? code : 0);
+    };
+    std::visit(fill, bracket.shots[static_cast<std::size_t>(j)].codes);
+  }
+  MergeOptions options;
+  options.uncertainty = true;
+  const Merged merged = merge(bracket, no_alignment(bracket), srgb_response(plan.bits), options);
+  RC_ASSERT(fault_of(merged.map.rgb) == "");
+  RC_ASSERT(fault_of(merged.map.stddev) == "");
 }
 
 // The same light whatever unit the exposures are in: times of 2^-20 s or of 2^20 s.

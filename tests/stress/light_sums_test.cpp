@@ -9,6 +9,7 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/light/environment.h"
 #include "libhdr/light/horizontal_irradiance.h"
+#include "libhdr/light/internal/light_cells.h"
 #include "libhdr/light/internal/row_moments.h"
 #include "libhdr/light/lights.h"
 #include "libhdr/light/sh.h"
@@ -146,6 +147,33 @@ RC_GTEST_PROP(LightSums, PowerAndHorizontalIrradianceAreThoseOfLongDouble, ()) {
   for (int c = 0; c < 3; ++c) {
     RC_ASSERT(std::abs(irradiance[c] - facing_up[c]) <= 1e-13L * facing_up[c] + 1e-300L);
     RC_ASSERT(std::abs(light.total_power()[c] - power[c]) <= 1e-13L * power[c] + 1e-300L);
+  }
+}
+
+// The cells that lights are cut from, of one pixel and of many: each sum is its own pixels'.
+RC_GTEST_PROP(LightSums, CellsAreThoseOfLongDouble, ()) {
+  const Image<float> map = made(*any_latlong(48));
+  const LightCells cells = light_cells(map, *rc::gen::element(1, 2, 3, 16));
+  const int block = (map.width() + cells.size.width - 1) / cells.size.width;
+  for (int row = 0; row < cells.size.height; ++row) {
+    for (int column = 0; column < cells.size.width; ++column) {
+      const LightCell& cell = cells(column, row);
+      Long light[3] = {}, moment[3] = {}, size = 0;
+      for (int y = row * block; y < std::min((row + 1) * block, map.height()); ++y) {
+        for (int x = column * block; x < std::min((column + 1) * block, map.width()); ++x) {
+          const Long solid_angle = pixel_solid_angle(y, map.size());
+          const Long value = solid_angle * (0.2126L * map(x, y, 0) + 0.7152L * map(x, y, 1) + 0.0722L * map(x, y, 2));
+          const Vec3 d = dir_from_latlong((x + 0.5) / map.width(), (y + 0.5) / map.height());
+          for (int c = 0; c < 3; ++c) light[c] += solid_angle * map(x, y, c), moment[c] += value * d[c];
+          size += value;
+        }
+      }
+      for (int c = 0; c < 3; ++c) {
+        RC_ASSERT(std::abs(cell.light[c] - light[c]) <= 1e-13L * light[c] + 1e-300L);
+        // Of a black map, cells weigh what their solid angles do.
+        if (!cells.black) RC_ASSERT(std::abs(cell.moment[c] - moment[c]) <= 1e-13L * size + 1e-300L);
+      }
+    }
   }
 }
 

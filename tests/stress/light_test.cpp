@@ -67,6 +67,25 @@ RC_GTEST_PROP(LightStress, PrefilteredLightIsAMean, ()) {
   RC_ASSERT((mean >= least * (1 - 1e-6)).all() && (mean <= most * (1 + 1e-6)).all());
 }
 
+// A map that begins at another meridian is the same world, turned: between the last column and the first as between any
+// others.
+RC_GTEST_PROP(LightStress, PrefilteredLightHasNoSeam, ()) {
+  const MapPlan plan = *any_latlong(24);
+  const Image<float> map = made(plan);
+  const int columns = *rc::gen::inRange(0, plan.width);
+  Image<float> turned(map.size(), 3);
+  for (int y = 0; y < map.height(); ++y) {
+    for (int k = 0; k < 3 * map.width(); ++k) turned.row(y)[(k + 3 * columns) % (3 * map.width())] = map.row(y)[k];
+  }
+  const double v = *rc::gen::element(0.01, 0.3, 0.5, 0.9), most = largest_of(map);
+  // Halfway between columns, where the two are one half each whatever was rounded.
+  const int x = *rc::gen::inRange(1, plan.width + 1);
+  const auto at = [&](const Image<float>& of, int column) {
+    return Prefilter(of).mean(dir_from_latlong(1.0 * column / plan.width, v), 0, Lobe::kGgx, 1);
+  };
+  RC_ASSERT(((at(map, x) - at(turned, (x + columns) % plan.width)).abs() <= 1e-12 * most).all());
+}
+
 // The bound on what nine harmonics leave out holds against the sum over all pixels.
 RC_GTEST_PROP(LightStress, TheBoundOfTheIrradianceHolds, ()) {
   const MapPlan plan = *any_latlong(24);
