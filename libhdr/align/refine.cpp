@@ -18,6 +18,7 @@ constexpr double kLargestError = 0.75;      // pixels of the level; beyond, the 
 constexpr double kAliasing = 0.007;         // pixels of the level in each axis: detail beyond Nyquist moves by itself
 constexpr double kMedianOfNormal = 0.6745;  // median |z| of a standard normal
 constexpr double kLeastUnmoved = 0.3;       // of the pixels in common, those that are unmoved too
+constexpr double kFewestTilesToStay = 2;    // for each unknown of the model that there is
 constexpr double kLeastInliers = 0.5;       // of the textured tiles: fewer show another scene, or another motion
 
 /// Where the iterations stand at one level.
@@ -39,6 +40,17 @@ void shorten(const MotionFrame& frame, Step& step, double reach) {
   if (length > reach) step.motion *= reach / length;
 }
 
+/// Root mean square of how far two motions take what was compared: beyond it, little evidence extrapolates far.
+double apart_where_seen(const Linearization& at, const Mat3& one, const Mat3& other) {
+  double squares = 0, weights = 1e-30;
+  for (const TileSums& tile : at.tiles) {
+    const double weight = tile.xx + tile.yy;
+    squares += weight * (moved(one, tile.middle) - moved(other, tile.middle)).squaredNorm();
+    weights += weight;
+  }
+  return std::sqrt(squares / weights);
+}
+
 /// Iterates (motion, match) or, when `move` is false, the photometric match alone.
 void iterate(const MotionFrame& frame, const LogPicture& a, const LogPicture& b, Estimate& e, int iterations,
              bool move) {
@@ -50,8 +62,10 @@ void iterate(const MotionFrame& frame, const LogPicture& a, const LogPicture& b,
     if (!e.enough) return;
     e.median = e.at.median_magnitude();
     const Evidence evidence(frame, e.at, e.match);
-    if (const MotionModel richest = evidence.richest(); e.model > richest) {
-      // Less to go by than there was at another level.
+    if (const MotionModel richest = evidence.richest();
+        e.model > richest && evidence.effective_tiles() < kFewestTilesToStay * unknowns(e.model)) {
+      // Less to go by than there was at another level. (A little less is no reason: where it comes and goes with the
+      // motion, a model that came and went with it would never settle.)
       e.motion = evidence.nearest(e.motion, richest);
       e.model = richest;
       if (k < iterations) continue;
@@ -68,7 +82,7 @@ void iterate(const MotionFrame& frame, const LogPicture& a, const LogPicture& b,
     e.motion = e.stepped(frame);
     e.match.value += e.step.match;
     e.match.scale = std::max(e.median / kMedianOfNormal, 1e-3);
-    if (frame.rms_between(start, e.motion) > kLost * a.cell) return;
+    if (apart_where_seen(e.at, start, e.motion) > kLost * a.cell) return;
   }
 }
 
@@ -168,7 +182,7 @@ PairMotion measured(const MotionFrame& frame, const LogPicture& a, const Estimat
   const double floor = kAliasing * a.cell;
   PairMotion motion;
   motion.model = e.model;
-  motion.richest = evidence.richest();
+  motion.richest = std::max(e.model, evidence.richest());
   motion.price = evidence.price();
   locate(e.at, motion);
   motion.inliers = inliers;
@@ -271,7 +285,7 @@ PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat
   if (const std::string why = no_better_than_still(frame, ca, cb, best); !why.empty()) return failed(why, inliers);
   if (coarse > 0) {
     best.motion = best.stepped(frame);
-    iterate_models(frame, a.levels[0], b.levels[0], best, 6);
+    iterate_models(frame, a.levels[0], b.levels[0], best, 12);
     // Coarse tiles forgive some pixels, where few are usable: then the finest detail must agree as well.
     if (best.enough && inliers < kClean) {
       const std::optional<double> fine = agreement(a.levels[0], b.levels[0], best.stepped(frame));
@@ -302,7 +316,9 @@ PairMotion polish_motion(const Pyramid& a, const Pyramid& b, const Mat3& start, 
   e.motion = start;
   double inliers = 0;
   if (const auto trouble = disagreeing(a.size, a.levels[coarse], b.levels[coarse], start, inliers)) return *trouble;
-  iterate(frame, a.levels[0], b.levels[0], e, 2, true);
+  // Two steps do where the neighbours were right; where little is usable they may have been far off elsewhere.
+  constexpr int kIterations = 8;
+  iterate_models(frame, a.levels[0], b.levels[0], e, kIterations);
   return measured(frame, a.levels[0], e, inliers);
 }
 

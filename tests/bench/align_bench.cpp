@@ -65,9 +65,12 @@ void print_rows(const Bracket& bracket, const Alignment& ours, const std::vector
   for (std::size_t k = 0; k < bracket.shots.size(); ++k) {
     const Mat3 ref_from_photo = truth[reference].inverse() * truth[k];
     const std::vector<double> all = motion_distances(ref_from_photo, ours.frames[k].ref_from_photo, bracket.size());
-    fmt::print("    {} usable {:.3f} off {:7.3f} (farthest {:7.3f}) residual {:7.3f} inliers {:.2f} {}\n",
-               bracket.shots[k].path.filename().string(), shares[k], all[all.size() / 2], all.back(),
-               ours.frames[k].residual_px, ours.frames[k].inliers, ours.frames[k].skipped);
+    const double seen = rms_distance_where_usable(ref_from_photo, ours.frames[k].ref_from_photo, bracket.shots[k]);
+    fmt::print(
+        "    {} usable {:.3f} off {:7.3f} (farthest {:7.3f}, where it is usable {:7.3f}) residual {:7.3f} inliers "
+        "{:.2f} {}\n",
+        bracket.shots[k].path.filename().string(), shares[k], all[all.size() / 2], all.back(), seen,
+        ours.frames[k].residual_px, ours.frames[k].inliers, ours.frames[k].skipped);
   }
 }
 

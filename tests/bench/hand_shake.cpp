@@ -31,6 +31,22 @@ std::vector<double> motion_distances(const Mat3& truth, const Mat3& found, Size 
   return all;
 }
 
+double rms_distance_where_usable(const Mat3& truth, const Mat3& found, const Photo& photo) {
+  constexpr int kStep = 5;
+  const auto& codes = std::get<Image<std::uint8_t>>(photo.codes);
+  double squares = 0, count = 0;
+  for (int y = 0; y < codes.height(); y += kStep) {
+    for (int x = 0; x < codes.width(); x += kStep) {
+      const std::uint8_t* code = codes.pixel(x, y);
+      if (std::min({code[0], code[1], code[2]}) < 5 || std::max({code[0], code[1], code[2]}) > 250) continue;
+      const Vec3 p(x, y, 1);
+      squares += ((truth * p).hnormalized() - (found * p).hnormalized()).squaredNorm();
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
 double usable_share(const Photo& photo) {
   const auto& codes = std::get<Image<std::uint8_t>>(photo.codes);
   std::int64_t usable = 0;
