@@ -16,17 +16,14 @@ constexpr float kLeastHat = 0.06f;
 constexpr float kLeastShift_px = 0.12f;   ///< registered shots are not registered perfectly
 constexpr float kMostCorrection = 0.35f;  ///< ln
 constexpr float kMostScale = 3;
+constexpr float kMostMisfit = 0.35f;    ///< of a colour's distance from grey
 constexpr std::size_t kFewest = 60;     ///< cells behind a median
-constexpr std::size_t kSample = 30000;  ///< cells that medians look at, about
+constexpr std::size_t kSample = 60000;  ///< cells that medians look at, about
 /// Of the pixels of a lossy shot: a block's coefficients are wrong in many of them at once.
 constexpr float kIndependent = 0.25f;
 
 float square(float x) {
   return x * x;
-}
-
-int octave_of(float level) {
-  return -std::ilogb(std::max(level, 1e-9f));
 }
 
 }  // namespace
@@ -56,6 +53,14 @@ void CellShot::find_range(const CellGrid& grid) {
   }
 }
 
+void CellShot::find_colours() {
+  colour.resize(picture.flags.size());
+  for (std::size_t cell = 0; cell < colour.size(); ++cell) {
+    const bool clipped = picture.flags[cell] & (7 * CellPicture::kClipped);
+    colour[cell] = ColourBins::bin_of(picture.level.data() + 3 * cell, clipped);
+  }
+}
+
 float CellShot::range_of(std::size_t sample) const {
   return std::bit_cast<float>(static_cast<std::uint32_t>(range[sample]) << 16);
 }
@@ -66,6 +71,8 @@ PairAgreement::PairAgreement(const CellGrid& grid, const MergeModel& model, cons
   registration_ = std::min(1.0f, std::sqrt(square(kLeastShift_px) + square(a.residual_px) + square(b.residual_px)));
   for (auto& channel : correction_) channel.fill(1);
   find_corrections();
+  find_colours();
+  find_scales_of_colours();
   find_scale();
 }
 
@@ -99,52 +106,82 @@ void PairAgreement::differences(std::size_t cell, Difference* out) const {
   for (std::size_t c = 0; c < 3; ++c) out[c] = {};
   const std::uint8_t flags_a = a_.picture.flags[cell], flags_b = b_.picture.flags[cell];
   if ((flags_a | flags_b) & CellPicture::kOutside) return;
-  std::array<float, 3> correction, a_per_b, b_per_a;
+  std::array<float, 3> a_per_b, b_per_a;
   for (std::size_t c = 0; c < 3; ++c) {
-    const int octave = std::clamp(octave_of(a_.picture.level[3 * cell + c]), 0, kOctaves - 1);
-    correction[c] = correction_[c][static_cast<std::size_t>(octave)];
-    a_per_b[c] = correction[c] * a_.exposure / b_.exposure;
+    a_per_b[c] = correction_of(cell, c) * a_.exposure / b_.exposure;
     b_per_a[c] = 1 / a_per_b[c];
   }
   const std::array<float, 3> doubt_a = doubts(a_, b_, a_per_b, cell), doubt_b = doubts(b_, a_, b_per_a, cell);
+  const Light light = light_of(cell);
+  const float most_misfit = kMostMisfit * light.chroma * light.largest;
   for (std::size_t c = 0; c < 3; ++c) {
-    const bool clipped_a = flags_a & (CellPicture::kClipped << c), clipped_b = flags_b & (CellPicture::kClipped << c);
+    const bool clipped_a = a_.clipped(cell, c), clipped_b = b_.clipped(cell, c);
     if (clipped_a && clipped_b) continue;
     const ChannelModel& channel = model_.channel[c];
     const std::size_t sample = 3 * cell + c;
-    const float level_a = a_.picture.level[sample], level_b = b_.picture.level[sample];
-    const float per_a = 1 / a_.exposure, per_b = correction[c] / b_.exposure;
-    const float radiance_a = level_a * per_a, radiance_b = level_b * per_b;
+    const ColourMisfit::Expected misfit = misfit_[c].expected(a_.colour[cell], b_.colour[cell]);
     Difference& d = out[c];
-    d.value = radiance_a - radiance_b;
+    d.value = light.a[c] - light.b[c] - std::clamp(misfit.offset * light.largest, -most_misfit, most_misfit);
     if (clipped_a) d.value = std::max(0.0f, d.value);  // a says: at least this
     if (clipped_b) d.value = std::min(0.0f, d.value);
-    d.noise = (square(per_a) / channel.precision.at(level_a) + square(per_b) / channel.precision.at(level_b)) / pixels_;
+    const float per_a = 1 / a_.exposure, per_b = correction_of(cell, c) / b_.exposure;
+    d.noise = (square(per_a) / channel.precision.at(a_.picture.level[sample]) +
+               square(per_b) / channel.precision.at(b_.picture.level[sample])) /
+              pixels_;
     const float range = std::min(a_.range_of(sample) * per_a, b_.range_of(sample) * per_b);
     // If both show one thing, it is closer to what the less doubtful one says.
     const float trust_a = 1 / square(doubt_a[c]), trust_b = 1 / square(doubt_b[c]);
-    const float radiance = (trust_a * radiance_a + trust_b * radiance_b) / (trust_a + trust_b);
+    const float radiance = (trust_a * light.a[c] + trust_b * light.b[c]) / (trust_a + trust_b);
     d.other = (square(doubt_a[c]) + square(doubt_b[c])) * square(radiance) + square(registration_ * range);
     if (flags_a & (CellPicture::kBlack << c)) d.other += square(channel.black_bound * per_a);
     if (flags_b & (CellPicture::kBlack << c)) d.other += square(channel.black_bound * per_b);
+    const float scale = misfit_[c].scale(a_.colour[cell], b_.colour[cell]);
+    d.other += std::min((square(scale) - 1) * (d.noise + d.other) + misfit.variance * square(light.largest),
+                        square(most_misfit));
+  }
+}
+
+PairAgreement::Light PairAgreement::light_of(std::size_t cell) const {
+  Light light;
+  for (std::size_t c = 0; c < 3; ++c) {
+    light.a[c] = a_.picture.level[3 * cell + c] / a_.exposure;
+    light.b[c] = b_.picture.level[3 * cell + c] * correction_of(cell, c) / b_.exposure;
+    // What both show; where the longer one is clipped, as the shorter one has it.
+    light.largest = std::max(light.largest, b_.clipped(cell, c) ? light.a[c] : std::min(light.a[c], light.b[c]));
+  }
+  const auto chroma = [](const std::array<float, 3>& rgb) {
+    const auto [least, most] = std::minmax({rgb[0], rgb[1], rgb[2]});
+    return most > 0 ? (most - least) / most : 0;
+  };
+  const bool hidden = b_.picture.flags[cell] & (7 * CellPicture::kClipped);
+  light.chroma = hidden ? chroma(light.a) : std::min(chroma(light.a), chroma(light.b));
+  return light;
+}
+
+template <class Visit>
+void PairAgreement::for_some(const Visit& visit) const {
+  const std::size_t count = a_.picture.flags.size(), step = std::max<std::size_t>(1, count / kSample);
+  for (std::size_t cell = 0; cell < count; cell += step) {
+    if (!((a_.picture.flags[cell] | b_.picture.flags[cell]) & CellPicture::kOutside)) visit(cell);
   }
 }
 
 void PairAgreement::find_corrections() {
-  const std::size_t count = a_.picture.flags.size(), step = std::max<std::size_t>(1, count / kSample);
-  for (std::size_t c = 0; c < 3; ++c) {
-    std::array<std::vector<float>, kOctaves> ratios;
-    for (std::size_t cell = 0; cell < count; cell += step) {
-      if (a_.picture.flags[cell] | b_.picture.flags[cell]) continue;
+  std::array<std::array<std::vector<float>, kOctaves>, 3> ratios;
+  for_some([&](std::size_t cell) {
+    if (a_.picture.flags[cell] | b_.picture.flags[cell]) return;
+    for (std::size_t c = 0; c < 3; ++c) {
       const float level_a = a_.picture.level[3 * cell + c], level_b = b_.picture.level[3 * cell + c];
-      const int octave = octave_of(level_a);
-      if (octave < 0 || octave >= kOctaves || !(level_b > 0)) continue;
-      ratios[static_cast<std::size_t>(octave)].push_back(std::log(level_a / a_.exposure / (level_b / b_.exposure)));
+      if (!(level_a > 0 && level_b > 0)) continue;
+      ratios[c][static_cast<std::size_t>(ColourBins::octave_of(level_a))].push_back(
+          std::log(level_a / a_.exposure / (level_b / b_.exposure)));
     }
+  });
+  for (std::size_t c = 0; c < 3; ++c) {
     for (int octave = 0; octave < kOctaves; ++octave) {
       // Where b is clipped, those cells of b that are not are a choice: what moved, and nothing can be said.
       const bool seen = std::ldexp(1.0f, -octave) * b_.exposure < a_.exposure;
-      std::vector<float>& of_octave = ratios[static_cast<std::size_t>(octave)];
+      std::vector<float>& of_octave = ratios[c][static_cast<std::size_t>(octave)];
       if (!seen || of_octave.size() < kFewest) continue;
       correction_[c][static_cast<std::size_t>(octave)] =
           std::exp(std::clamp(median_of(of_octave), -kMostCorrection, kMostCorrection));
@@ -152,17 +189,46 @@ void PairAgreement::find_corrections() {
   }
 }
 
+void PairAgreement::find_colours() {
+  std::array<std::vector<ColourSample>, 3> of_a, of_b;
+  for_some([&](std::size_t cell) {
+    const Light light = light_of(cell);
+    if (!(light.largest > 0)) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool clipped_a = a_.clipped(cell, c), clipped_b = b_.clipped(cell, c);
+      const float value = clipped_a || clipped_b ? NAN : (light.a[c] - light.b[c]) / light.largest;
+      if (!clipped_a) of_a[c].push_back({a_.colour[cell], value});
+      if (!clipped_b) of_b[c].push_back({b_.colour[cell], value});
+    }
+  });
+  for (std::size_t c = 0; c < 3; ++c) misfit_[c] = ColourMisfit(c, of_a[c], of_b[c]);
+}
+
+void PairAgreement::find_scales_of_colours() {
+  std::array<std::vector<ColourSample>, 3> of_a, of_b;
+  for_some([&](std::size_t cell) {
+    Difference all[3];
+    differences(cell, all);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(all[c].noise > 0) || a_.clipped(cell, c) || b_.clipped(cell, c)) continue;
+      const float size = std::abs(all[c].value) / std::sqrt(all[c].noise + all[c].other);
+      of_a[c].push_back({a_.colour[cell], size});
+      of_b[c].push_back({b_.colour[cell], size});
+    }
+  });
+  for (std::size_t c = 0; c < 3; ++c) misfit_[c].find_scales(of_a[c], of_b[c]);
+}
+
 void PairAgreement::find_scale() {
-  const std::size_t count = a_.picture.flags.size(), step = std::max<std::size_t>(1, count / kSample);
   std::vector<float> sizes;
-  for (std::size_t cell = 0; cell < count; cell += step) {
-    if (a_.picture.flags[cell] | b_.picture.flags[cell]) continue;
+  for_some([&](std::size_t cell) {
+    if (a_.picture.flags[cell] | b_.picture.flags[cell]) return;
     Difference all[3];
     differences(cell, all);
     for (const Difference& d : all) {
       if (d.noise > 0) sizes.push_back(std::abs(d.value) / std::sqrt(d.noise + d.other));
     }
-  }
+  });
   constexpr float kMedianOfNormal = 0.67449f;
   if (sizes.size() >= kFewest) scale_ = std::clamp(median_of(sizes) / kMedianOfNormal, 1.0f, kMostScale);
 }

@@ -393,6 +393,7 @@ GhostPlan plan_ghosts(const Bracket& bracket, const std::vector<double>& exposur
     cells[k].exposure = sources[k]->exposure();
     cells[k].residual_px = static_cast<float>(alignment.frames[shots[k]].residual_px);
     cells[k].find_range(grid);
+    cells[k].find_colours();
   });
   return plan_ghosts(grid, model, cells);
 }

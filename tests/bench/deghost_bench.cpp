@@ -14,6 +14,7 @@
 #include "libhdr/merge/merge.h"
 #include "tests/bench/ghost_oracle.h"
 #include "tests/bench/stopwatch.h"
+#include "tests/support/ghost_share.h"
 #include "tests/support/movers.h"
 #include "tests/support/support.h"
 
@@ -187,14 +188,37 @@ Outcome measure(const Kind& kind, std::uint64_t seed, const Path& pictures) {
   return outcome;
 }
 
+/// A bracket of photographs for which no truth is known; where little moved, little may change.
+void measure_photographs(const Path& folder, const Path& pictures) {
+  BracketOptions options;
+  options.expects_motion = true;
+  const Path list = folder / "image_list.txt";
+  if (std::filesystem::exists(list)) options.exposures = list;
+  const test::GhostShare share = test::ghost_share(read_bracket({folder}, options));
+  fmt::print("{:<24} {:6.3f} % of its pixels change, {:6.3f} % by more than their deviation\n",
+             folder.filename().string(), 100 * share.touched, 100 * share.beyond_sigma);
+  std::fflush(stdout);
+  if (pictures.empty() || share.mask.empty()) return;
+  std::filesystem::create_directories(pictures);
+  Image<std::uint8_t> picture(share.mask.size(), 3);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) std::fill_n(picture.pixel(x, y), 3, share.mask(x, y));
+  }
+  write_picture(pictures / (folder.filename().string() + ".png"), picture);
+}
+
 int main(int argc, char** argv) {
   int seeds = 3;
   std::string only, pictures;
+  std::vector<std::string> photographs;
   CLI::App app("  deghost_bench --seeds 3\n\na thing that moves against the same bracket without it");
   app.add_option("--seeds", seeds, "scenes of each kind")->capture_default_str();
   app.add_option("--only", only, "kinds whose name holds this");
   app.add_option("--pictures", pictures, "folder for maps, errors (red) and masks (green)");
+  app.add_option("--photographs", photographs, "folders of brackets: how much --deghost changes of each, and no more");
   CLI11_PARSE(app, argc, argv);
+  for (const std::string& folder : photographs) measure_photographs(folder, pictures);
+  if (!photographs.empty()) return 0;
   fmt::print(
       "p99 of |log2| against the closest of the truths; * over twice that of the still bracket\n"
       "{:<24} seed  still   ghosts  clean   ratio  oracle: one moment, any; where  regions halves cpu: merge, "

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libhdr/merge/internal/ghost_cells.h"
+#include "libhdr/merge/internal/ghost_colours.h"
 
 namespace hdr::internal {
 
@@ -21,18 +22,24 @@ struct CellBox {
 struct CellShot {
   CellPicture picture;
   float exposure = 1;
-  float residual_px = 0;             ///< of its registration
-  std::vector<std::uint16_t> range;  ///< 3 a cell: largest less smallest level of 3 x 3 cells, upper half of a float
+  float residual_px = 0;              ///< of its registration
+  std::vector<std::uint16_t> range;   ///< 3 a cell: largest less smallest level of 3 x 3 cells, upper half of a float
+  std::vector<std::uint16_t> colour;  ///< 1 a cell: ColourBins
 
   void find_range(const CellGrid& grid);
+  void find_colours();
   float range_of(std::size_t sample) const;
+  bool clipped(std::size_t cell, std::size_t channel) const {
+    return picture.flags[cell] & (CellPicture::kClipped << channel);
+  }
 };
 
 /// Radiances differ by noise (the model's, over the cell's pixels), by the registration's error (a share of the local
 /// range that both shots show), by what the response has wrong (a median ratio for each octave of level, up to 40 %, is
-/// taken out; per cents stay, more of them towards the ends of the codes where the merge doubts these), and by whatever
-/// the shots themselves show most cells to differ by: a median size above the model's scales it. What is left over is a
-/// thing that moved.
+/// taken out; per cents stay, more of them towards the ends of the codes where the merge doubts these), by what the
+/// camera does to colours, the more the farther they are from grey (ghost_colours.h), and by whatever the shots
+/// themselves show most cells to differ by: a median size above the model's scales it. What is left over is a thing
+/// that moved.
 class PairAgreement {
  public:
   /// `a` has the shorter exposure. All must outlive it.
@@ -53,15 +60,31 @@ class PairAgreement {
                               std::size_t cell) const;
   /// Of the three channels; no noise: not comparable.
   void differences(std::size_t cell, Difference* out) const;
+  /// Visits the cells that medians look at.
+  template <class Visit>
+  void for_some(const Visit& visit) const;
   void find_corrections();
+  void find_colours();
+  void find_scales_of_colours();
   void find_scale();
+  /// The light of both shots, response's corrections included, and of the largest channel.
+  struct Light {
+    std::array<float, 3> a, b;
+    float largest = 0;
+    float chroma = 0;  ///< 0 grey, 1 at the edge of the gamut; the less of both shots, where both show the colour
+  };
+  Light light_of(std::size_t cell) const;
+  float correction_of(std::size_t cell, std::size_t channel) const {
+    return correction_[channel][static_cast<std::size_t>(ColourBins::octave_of(a_.picture.level[3 * cell + channel]))];
+  }
 
-  static constexpr int kOctaves = 20;
+  static constexpr int kOctaves = ColourBins::kOctaves;
   const CellGrid& grid_;
   const MergeModel& model_;
   const CellShot &a_, &b_;
   float pixels_, registration_, scale_ = 1;
   std::array<std::array<float, kOctaves>, 3> correction_{};  ///< factor on b, by channel and octave of a's level
+  std::array<ColourMisfit, 3> misfit_;                       ///< beyond that
 };
 
 }  // namespace hdr::internal
