@@ -17,7 +17,8 @@ namespace hdr::internal {
 Exposure exposure_from_exif(const OIIO::ImageInput& input, const Path& path);
 
 /// The horizontal field of an upright picture of this size, degrees, from FocalLengthIn35mmFilm: the focal length that
-/// gives the same diagonal field on 36 x 24 mm (EXIF 2.3, tag 41989). nullopt: absent, or 0 for unknown.
+/// gives the same diagonal field on 36 x 24 mm (EXIF 2.3, tag 41989); without it from FocalLength and
+/// FocalPlaneXResolution, where the picture is as wide as PixelXDimension says. nullopt: absent, or 0 for unknown.
 std::optional<double> fov_from_exif(const OIIO::ImageInput& input, Size size);
 
 /// Throws Error("FILE: exposure time ... in EXIF; ...") when the time is there and is not a positive number.

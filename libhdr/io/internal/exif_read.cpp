@@ -82,11 +82,55 @@ Exposure exposure_from_exif(const OIIO::ImageInput& input, const Path& path) {
   return exposure;
 }
 
-std::optional<double> fov_from_exif(const OIIO::ImageInput& input, Size size) {
-  const auto focal_mm = positive(number(input.spec(), "Exif:FocalLengthIn35mmFilm"));
+namespace {
+
+/// Focal length in pixels from FocalLength and the sensor's resolution, of a picture that is as wide as the camera
+/// wrote it (PixelXDimension), on a sensor as cameras have them.
+std::optional<double> focal_px_on_sensor(const OIIO::ImageSpec& spec) {
+  constexpr double kNarrowest = 2, kWidest = 70;  // mm
+  constexpr double kSquare = 0.02;
+  const auto focal_mm = positive(number(spec, "Exif:FocalLength"));
+  const auto per_unit = positive(number(spec, "Exif:FocalPlaneXResolution"));
+  const auto per_unit_y = positive(number(spec, "Exif:FocalPlaneYResolution"));
+  const auto written = positive(number(spec, "Exif:PixelXDimension"));
+  if (!focal_mm || !per_unit || !written || *written != spec.width) return std::nullopt;
+  if (per_unit_y && std::abs(*per_unit_y / *per_unit - 1) > kSquare) return std::nullopt;
+  // EXIF 2.3, tag 41488: 2 inch, 3 centimetre; older cameras 4 millimetre, 5 micrometre.
+  double unit_mm = 25.4;
+  switch (spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2)) {
+    case 2:
+      break;
+    case 3:
+      unit_mm = 10;
+      break;
+    case 4:
+      unit_mm = 1;
+      break;
+    case 5:
+      unit_mm = 1e-3;
+      break;
+    default:
+      return std::nullopt;
+  }
+  const double sensor_mm = spec.width / *per_unit * unit_mm;
+  if (!(sensor_mm > kNarrowest && sensor_mm < kWidest)) return std::nullopt;
+  return *focal_mm / unit_mm * *per_unit;
+}
+
+/// From FocalLengthIn35mmFilm.
+std::optional<double> focal_px_on_film(const OIIO::ImageSpec& spec) {
+  const auto focal_mm = positive(number(spec, "Exif:FocalLengthIn35mmFilm"));
   if (!focal_mm) return std::nullopt;
-  const double film_mm = std::hypot(36, 24), focal_px = *focal_mm / film_mm * std::hypot(size.width, size.height);
-  return 360 / std::numbers::pi * std::atan(0.5 * size.width / focal_px);
+  return *focal_mm / std::hypot(36, 24) * std::hypot(spec.width, spec.height);
+}
+
+}  // namespace
+
+std::optional<double> fov_from_exif(const OIIO::ImageInput& input, Size size) {
+  auto focal_px = focal_px_on_film(input.spec());
+  if (!focal_px) focal_px = focal_px_on_sensor(input.spec());
+  if (!focal_px) return std::nullopt;
+  return 360 / std::numbers::pi * std::atan(0.5 * size.width / *focal_px);
 }
 
 void require_usable_time(const Path& path, const Exposure& exposure) {

@@ -94,6 +94,32 @@ TEST(Photo, SameWorkSameBytes) {
   }
 }
 
+/// Horizontal field by a sensor's resolution, degrees; 0: none.
+double field_on_sensor(const Path& path, float per_unit, int unit, int written_width, int orientation = 1) {
+  OIIO::ImageSpec spec(600, 400, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("Exif:FocalLength", 50.0f);
+  spec.attribute("Exif:FocalPlaneXResolution", per_unit);
+  spec.attribute("Exif:FocalPlaneYResolution", per_unit);
+  spec.attribute("Exif:FocalPlaneResolutionUnit", unit);
+  spec.attribute("Exif:PixelXDimension", written_width);
+  spec.attribute("Orientation", orientation);
+  const std::vector<std::uint8_t> bytes(spec.image_bytes(), 90);
+  const auto out = OIIO::ImageOutput::create(path.string());
+  EXPECT_TRUE(out->open(path.string(), spec) && out->write_image(spec.format, bytes.data()) && out->close());
+  return read_photo_header(path).fov_degrees.value_or(0);
+}
+
+TEST(Photo, ASensorsResolutionGivesTheFieldOfWholePicturesAlone) {
+  const ScratchDir scratch;
+  constexpr double kDegrees = 39.5978;  // 2 atan(18 / 50): 600 pixels on 36 mm
+  EXPECT_NEAR(field_on_sensor(scratch / "a.jpg", 600 / 36.0f * 25.4f, 2, 600), kDegrees, 1e-3) << "inches";
+  EXPECT_NEAR(field_on_sensor(scratch / "a.jpg", 600 / 36.0f * 10, 3, 600), kDegrees, 1e-3) << "centimetres";
+  EXPECT_NEAR(field_on_sensor(scratch / "a.jpg", 600 / 36.0f * 10, 3, 600, 6), 26.9915, 1e-3) << "24 mm upright";
+  EXPECT_EQ(field_on_sensor(scratch / "a.jpg", 600 / 36.0f * 10, 3, 1200), 0) << "half as wide as it was written";
+  EXPECT_EQ(field_on_sensor(scratch / "a.jpg", 600 / 36.0f * 10, 2, 600), 0) << "no sensor is 91 mm wide";
+  EXPECT_EQ(field_on_sensor(scratch / "a.jpg", 0, 2, 600), 0) << "0: unknown";
+}
+
 /// A 3 x 2 picture whose codes tell the position in the UPRIGHT picture: red = column, green = row.
 void write_oriented(const Path& path, int orientation) {
   const bool on_its_side = orientation >= 5;
