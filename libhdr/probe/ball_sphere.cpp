@@ -129,6 +129,44 @@ std::optional<double> LogView::at(const Vec3& dir, double inverse_distance, cons
   return bilinear(log_luminance, *px);
 }
 
+std::optional<Glimpse> LogView::glimpse(const Vec3& dir, double inverse_distance, const Vec3& outline) const {
+  constexpr double kStep = 1e-5;
+  const MirrorBall seen = changed(ball, inverse_distance, outline);
+  const auto inside = [&](const std::optional<Vec2>& px) {
+    return px && px->x() > 0 && px->y() > 0 && px->x() < log_luminance.width() && px->y() < log_luminance.height();
+  };
+  const auto px = seen.px_from_dir(dir);
+  if (!inside(px)) return std::nullopt;
+  Glimpse result;
+  result.px = *px;
+  const Vec3 a = dir.unitOrthogonal();
+  for (const Vec3& t : {a, Vec3(dir.cross(a))}) {
+    const auto moved = seen.px_from_dir((dir + kStep * t).normalized());
+    if (!moved) return std::nullopt;
+    result.px_from_dir += (*moved - *px) / kStep * t.transpose();
+  }
+  const auto farther = changed(ball, inverse_distance + kStep, outline).px_from_dir(dir);
+  if (!farther) return std::nullopt;
+  result.px_from_inverse_distance = (*farther - *px) / kStep;
+  result.px_from_growth = ball.disc.r * (*px - Vec2(seen.disc.cx, seen.disc.cy)) / seen.disc.r;
+  return result;
+}
+
+PatchMean LogView::mean(const Vec2& px, const Eigen::Matrix2d& sides) const {
+  // Three samples a side, with the deviation of a uniform one.
+  constexpr double kApart = 0.35355, kHalf = 0.5;
+  PatchMean result;
+  for (int k = 0; k < 9; ++k) {
+    const Vec2 at = px + kApart * sides * Vec2(k % 3 - 1, k / 3 - 1);
+    result.value += bilinear(log_luminance, at) / 9;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vec2 step = kHalf * Vec2::Unit(axis);
+      result.slope[axis] += (bilinear(log_luminance, at + step) - bilinear(log_luminance, at - step)) / 9;
+    }
+  }
+  return result;
+}
+
 LogView log_view(const BallView& view, double radius_px) {
   Image<float> luminance = luminance_of(view.rgb);
   double scale = 1;

@@ -11,12 +11,13 @@
 namespace hdr {
 
 struct BallView {
-  View<const float> rgb;        ///< linear radiance
-  MirrorBall ball;              ///< where the ball is in it
-  bool outline_known = false;   ///< else ball.disc was found, and is known to about half a pixel
-  bool distance_known = false;  ///< else ball.distance is a first guess
-  View<const float> mask{};     ///< one channel, as large as rgb: 1 keeps a pixel, 0 leaves it out; empty keeps all
-  View<const float> stddev{};   ///< of rgb; empty: not known
+  View<const float> rgb;       ///< linear radiance
+  MirrorBall ball;             ///< where the ball is in it
+  bool outline_known = false;  ///< else ball.disc was found, and is known to about half a pixel
+  /// Else ball.distance is a first guess, and without ball.principal the camera looks at the picture's middle.
+  bool distance_known = false;
+  View<const float> mask{};    ///< one channel, as large as rgb: 1 keeps a pixel, 0 leaves it out; empty keeps all
+  View<const float> stddev{};  ///< of rgb; empty: not known
 };
 
 struct RegisteredView {
@@ -25,6 +26,9 @@ struct RegisteredView {
   MirrorBall ball;                          ///< as given, or with the distance and the outline that fit best
   double overlap_rms = 0;  ///< of ln(radiance) at 1 degree against the other views, where both see well, robustly
   double correlation = 0;  ///< of detail with the views before, -1..1; 1 for the first
+  double runner_up = -1;   ///< the same of the best turn that is another one, by 10 degrees or more
+  /// A place that looks alike from two sides: another turn explains nearly as much.
+  bool ambiguous() const { return 1 - runner_up < 1.15 * (1 - correlation); }
 };
 
 /// How the views are turned against each other, from their pictures alone: rotations are tried all over SO(3) on

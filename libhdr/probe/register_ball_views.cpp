@@ -11,6 +11,7 @@
 #include "libhdr/probe/internal/ball_sphere.h"
 #include "libhdr/probe/internal/rotation_search.h"
 #include "libhdr/probe/internal/same_pixels.h"
+#include "libhdr/probe/internal/view_difference.h"
 
 namespace hdr {
 namespace {
@@ -32,31 +33,7 @@ struct Unknowns {
     const bool far = inverse_distance <= 1.01 * kLeastInverseDistance;
     return internal::changed(given, far ? 0 : inverse_distance, {outline[0], outline[1], outline[2]});
   }
-  Mat3 probe_from_view() const { return turned(first, turn); }
-  static Mat3 turned(const Mat3& first, const double* turn) {
-    const Vec3 v(turn[0], turn[1], turn[2]);
-    const double angle = v.norm();
-    return angle > 0 ? Mat3(Eigen::AngleAxisd(angle, v / angle).toRotationMatrix() * first) : first;
-  }
-};
-
-/// Views a and b in one direction of the probe, in deviations of what they differ by.
-struct Disagreement {
-  const internal::LogView *a, *b;
-  Mat3 first_a, first_b;
-  Vec3 dir;
-  double scale;  ///< root of the weight over the deviation
-
-  bool operator()(const double* turn_a, const double* turn_b, const double* gain_a, const double* gain_b,
-                  const double* distance_a, const double* distance_b, const double* outline_a, const double* outline_b,
-                  double* residual) const {
-    const auto va = a->at(Unknowns::turned(first_a, turn_a).transpose() * dir, std::max(0.0, *distance_a),
-                          Vec3(outline_a[0], outline_a[1], outline_a[2]));
-    const auto vb = b->at(Unknowns::turned(first_b, turn_b).transpose() * dir, std::max(0.0, *distance_b),
-                          Vec3(outline_b[0], outline_b[1], outline_b[2]));
-    *residual = va && vb ? scale * (*va + *gain_a - *vb - *gain_b) : 0;
-    return true;
-  }
+  Mat3 probe_from_view() const { return internal::turned(first, turn); }
 };
 
 /// Without evidence the camera is far.
@@ -169,9 +146,8 @@ void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns,
   ceres::Problem problem;
   ceres::LossFunction* loss = new ceres::CauchyLoss(kCauchy);
   for (const auto& [i, j, dir, weight] : pairs) {
-    auto* cost =
-        new ceres::NumericDiffCostFunction<Disagreement, ceres::FORWARD, 1, 3, 3, 1, 1, 1, 1, 3, 3>(new Disagreement{
-            &pictures[i], &pictures[j], unknowns[i].first, unknowns[j].first, dir, std::sqrt(weight) / deviation});
+    auto* cost = new internal::ViewDifference({&pictures[i], unknowns[i].first}, {&pictures[j], unknowns[j].first}, dir,
+                                              std::sqrt(weight) / deviation);
     problem.AddResidualBlock(cost, loss, unknowns[i].turn, unknowns[j].turn, &unknowns[i].log_gain,
                              &unknowns[j].log_gain, &unknowns[i].inverse_distance, &unknowns[j].inverse_distance,
                              unknowns[i].outline, unknowns[j].outline);
@@ -247,10 +223,73 @@ double first_log_gain(const BallView& a, const BallView& b, const Mat3& a_from_b
   return differences[differences.size() / 2];
 }
 
+/// A turn that may bring a view to one before it, on its own.
+struct Hypothesis {
+  std::size_t partner = 0;
+  Mat3 partner_from_view = Mat3::Identity();
+  double partner_inverse_distance = 0, inverse_distance = 0, log_gain = 0;
+  double correlation = -1;  ///< of detail, when it was looked at closely
+};
+
+/// The two views alone, placed by a rough match as well as they can be at middle resolution.
+Hypothesis looked_at(const BallView& partner, const BallView& view, const internal::RotationMatch& match) {
+  const std::vector<BallView> pair{partner, view};
+  std::vector<Unknowns> unknowns(2);
+  unknowns[0].inverse_distance = 1 / match.distance_a;
+  unknowns[1].inverse_distance = 1 / match.distance_b;
+  unknowns[1].first = match.a_from_b;
+  unknowns[1].log_gain = first_log_gain(partner, view, match.a_from_b);
+  refine(pair, unknowns, 50, 1500);
+  refine(pair, unknowns, 120, 6000);
+  Hypothesis result;
+  result.partner_from_view = unknowns[0].probe_from_view().transpose() * unknowns[1].probe_from_view();
+  result.partner_inverse_distance = unknowns[0].inverse_distance;
+  result.inverse_distance = unknowns[1].inverse_distance;
+  result.log_gain = unknowns[1].log_gain;
+  result.correlation = detail_correlation(as_registered(partner, unknowns[0]), as_registered(view, unknowns[1]),
+                                          result.partner_from_view);
+  return result;
+}
+
+/// How view k is turned against one of those before it: of the turns that agree best from afar, the one that still does
+/// when it is looked at closely. `runner_up`: the correlation of the best other turn.
+Hypothesis best_hypothesis(const std::vector<BallView>& views, std::size_t k, double& runner_up) {
+  constexpr double kMayBe = 0.6;  // of the best rough correlation
+  std::vector<std::pair<std::size_t, internal::RotationMatch>> matches;
+  for (std::size_t i = 0; i < k; ++i) {
+    for (const internal::RotationMatch& match : internal::match_rotations(views[i], views[k]))
+      matches.emplace_back(i, match);
+  }
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const auto& a, const auto& b) { return a.second.correlation > b.second.correlation; });
+  const std::size_t partner = matches.front().first;
+  Hypothesis best;
+  runner_up = -1;
+  for (const auto& [i, match] : matches) {
+    if (i != partner || match.correlation < kMayBe * matches.front().second.correlation) continue;
+    Hypothesis h = looked_at(views[i], views[k], match);
+    h.partner = i;
+    runner_up = std::max(runner_up, std::min(h.correlation, best.correlation));
+    if (h.correlation > best.correlation) best = h;
+  }
+  return best;
+}
+
+/// A camera whose distance is to be found looks at the middle of its picture, unless something else is said: a ball a
+/// few degrees beside it shows other directions than one in it.
+std::vector<BallView> with_axes(std::vector<BallView> views) {
+  for (BallView& view : views) {
+    if (!view.distance_known && !view.ball.principal)
+      view.ball.principal = Vec2(0.5 * view.rgb.width(), 0.5 * view.rgb.height());
+  }
+  return views;
+}
+
 }  // namespace
 
-std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& views,
+std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& given,
                                                 const std::vector<std::string>& names) {
+  const std::vector<BallView> views = with_axes(given);
   HDR_ASSERT(names.size() == views.size());
   std::vector<Unknowns> unknowns(views.size());
   std::vector<RegisteredView> result(views.size());
@@ -262,23 +301,15 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& vie
       throw Error(fmt::format("{}: the same photograph as {}; give views from different sides, best 90 degrees apart",
                               names[k], names[i]));
     }
-    // Against whichever of the views before fits best.
-    internal::RotationMatch best;
-    std::size_t partner = 0;
-    for (std::size_t i = 0; i < k; ++i) {
-      const internal::RotationMatch match = internal::match_rotation(views[i], views[k]);
-      if (match.correlation <= best.correlation) continue;
-      best = match;
-      partner = i;
-    }
-    unknowns[k].first = unknowns[partner].first * best.a_from_b;
-    unknowns[k].inverse_distance = 1 / best.distance_b;
-    if (k == 1) unknowns[0].inverse_distance = 1 / best.distance_a;
-    unknowns[k].log_gain = unknowns[partner].log_gain + first_log_gain(views[partner], views[k], best.a_from_b);
+    const Hypothesis best = best_hypothesis(views, k, result[k].runner_up);
+    unknowns[k].first = unknowns[best.partner].first * best.partner_from_view;
+    unknowns[k].inverse_distance = best.inverse_distance;
+    if (k == 1) unknowns[0].inverse_distance = best.partner_inverse_distance;
+    unknowns[k].log_gain = unknowns[best.partner].log_gain + best.log_gain;
   }
   refine(views, unknowns, 50, 1500);
-  refine(views, unknowns, 120, 2500);
-  refine(views, unknowns, 280, 12000);
+  refine(views, unknowns, 120, 6000);
+  refine(views, unknowns, 280, 40000);
 
   std::vector<BallView> fitted;
   for (std::size_t k = 0; k < views.size(); ++k) fitted.push_back(as_registered(views[k], unknowns[k]));
@@ -295,8 +326,12 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& vie
                       "less than 150 degrees apart, or check --ball",
                       names[k], names[0], correlation));
     }
-    result[k] = {unknowns[k].probe_from_view(), std::exp(unknowns[k].log_gain), fitted[k].ball,
-                 overlap_rms(fitted, unknowns, k), correlation};
+    result[k] = {unknowns[k].probe_from_view(),
+                 std::exp(unknowns[k].log_gain),
+                 fitted[k].ball,
+                 overlap_rms(fitted, unknowns, k),
+                 correlation,
+                 result[k].runner_up};
   }
   return result;
 }

@@ -121,37 +121,50 @@ double correlation(const SphereMap& a, const SphereMap& b, const Mat3& a_from_b,
   return variance > 0 ? (sab - sa * sb / w) / std::sqrt(variance) : 0;
 }
 
-RotationMatch match_rotation(const BallView& a, const BallView& b) {
+std::vector<RotationMatch> match_rotations(const BallView& a, const BallView& b) {
   constexpr int kWidth = 192;
   constexpr double kTypical = 0.07;  ///< inverse distance of a camera at 14 radii
+  constexpr std::size_t kMost = 3;
+  constexpr double kApart = 10 * kDegree;
   const std::vector<RotationMatch> starts = coarse_matches(at_distance(a, kTypical), at_distance(b, kTypical));
   const std::vector<Vec3> many = even_directions(6000);
   const bool known = a.distance_known && b.distance_known;
-  RotationMatch best;
-  // One distance for both, where it is not known; then each for itself.
+  // Each start keeps the distances that suit it best.
+  std::vector<RotationMatch> best(starts.size());
   const auto consider = [&](const BallView& seen_a, const BallView& seen_b, const std::vector<RotationMatch>& from,
                             double first_step) {
     const SphereMap map_a(seen_a, kWidth), map_b(seen_b, kWidth);
-    for (RotationMatch& match : climb_all(map_a, map_b, from, many, first_step, 0.3 * kDegree)) {
-      if (match.correlation <= best.correlation) continue;
-      best = match;
-      best.distance_a = seen_a.ball.distance;
-      best.distance_b = seen_b.ball.distance;
+    const std::vector<RotationMatch> climbed = climb_all(map_a, map_b, from, many, first_step, 0.3 * kDegree);
+    for (std::size_t k = 0; k < climbed.size(); ++k) {
+      if (climbed[k].correlation <= best[k].correlation) continue;
+      best[k] = climbed[k];
+      best[k].distance_a = seen_a.ball.distance;
+      best[k].distance_b = seen_b.ball.distance;
     }
   };
+  // One distance for both, where it is not known; then each for itself.
   for (const double inverse : {kTypical, 0.0, 0.035, 0.11, 0.16, 0.22}) {
     consider(at_distance(a, inverse), at_distance(b, inverse), starts, 2.4 * kDegree);
-    if (known) return best;
+    if (known) break;
   }
-  for (const bool of_a : {true, false}) {
-    for (const double change : {-0.04, 0.04}) {
-      const RotationMatch from = best;
-      const BallView seen_a = at_distance(a, 1 / from.distance_a + (of_a ? change : 0));
-      const BallView seen_b = at_distance(b, 1 / from.distance_b + (of_a ? 0 : change));
-      consider(seen_a, seen_b, {from}, 1.2 * kDegree);
+  best = distinct(std::move(best), kMost, kApart);
+  if (known) return best;
+  const auto inverse_of = [](double distance) { return std::isinf(distance) ? 0 : 1 / distance; };
+  const std::vector<RotationMatch> few = best;
+  std::vector<RotationMatch> finished;
+  for (const RotationMatch& match : few) {
+    best = {match};
+    for (const bool of_a : {true, false}) {
+      for (const double change : {-0.04, 0.04}) {
+        const RotationMatch from = best.front();
+        const BallView seen_a = at_distance(a, inverse_of(from.distance_a) + (of_a ? change : 0));
+        const BallView seen_b = at_distance(b, inverse_of(from.distance_b) + (of_a ? 0 : change));
+        consider(seen_a, seen_b, {from}, 1.2 * kDegree);
+      }
     }
+    finished.push_back(best.front());
   }
-  return best;
+  return distinct(std::move(finished), kMost, kApart);
 }
 
 }  // namespace hdr::internal

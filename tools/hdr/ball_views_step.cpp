@@ -95,9 +95,15 @@ void answer_views(Run& run, const std::vector<std::string>& images, const std::v
     row["overlap_rms"] = view.overlap_rms;
     row["gain"] = view.gain;
     row["correlation"] = view.correlation;
+    row["runner_up"] = k == 0 ? Json(nullptr) : Json(view.runner_up);
     row["ball"] = ball_row(view.ball);
     run.say(fmt::format("{}: turned {:.2f} degrees, gain {:.3f}, overlap rms {:.3f} (ln)", images[k],
                         Eigen::AngleAxisd(view.probe_from_view).angle() / kDegree, view.gain, view.overlap_rms));
+    if (k > 0 && view.ambiguous())
+      run.warn(
+          fmt::format("{}: the place looks alike from two sides: turned otherwise it fits nearly as well "
+                      "(correlation {:.2f} and {:.2f}); look at the sphere, or take a view from between",
+                      images[k], view.correlation, view.runner_up));
     views.push_back(std::move(row));
   }
   warn_of_cameras_in_one_place(run, images, registered);

@@ -20,6 +20,20 @@ double visibility(const BallView& view, const Vec3& dir);
 /// there down to the feet.
 double nobody_there(const BallView& view, const Vec3& dir);
 
+/// Where a picture shows a direction, and how that place moves.
+struct Glimpse {
+  Vec2 px = Vec2::Zero();
+  /// Derivatives: of moves across the direction, of 1 / distance, of the outline's radius in radii.
+  Eigen::Matrix<double, 2, 3> px_from_dir = Eigen::Matrix<double, 2, 3>::Zero();
+  Vec2 px_from_inverse_distance = Vec2::Zero(), px_from_growth = Vec2::Zero();
+};
+
+/// A picture's mean over a parallelogram, and how it changes when that moves.
+struct PatchMean {
+  double value = 0;
+  Vec2 slope = Vec2::Zero();  ///< a pixel
+};
+
 /// Log luminance, made smaller until the ball's radius is near `radius_px`, with the ball's geometry in it.
 struct LogView {
   Image<float> log_luminance;
@@ -28,6 +42,9 @@ struct LogView {
   /// nullopt where the ball does not show the direction. `outline`: how much the centre is moved and the radius grown,
   /// in radii.
   std::optional<double> at(const Vec3& dir, double inverse_distance, const Vec3& outline = Vec3::Zero()) const;
+  std::optional<Glimpse> glimpse(const Vec3& dir, double inverse_distance, const Vec3& outline) const;
+  /// Around px; the parallelogram's sides are the columns.
+  PatchMean mean(const Vec2& px, const Eigen::Matrix2d& sides) const;
 };
 LogView log_view(const BallView& view, double radius_px);
 

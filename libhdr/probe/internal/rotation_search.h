@@ -1,5 +1,7 @@
 #pragma once
 // How two maps of the sphere are turned against each other, without a first guess.
+#include <vector>
+
 #include "libhdr/core/vec.h"
 #include "libhdr/probe/internal/ball_sphere.h"
 
@@ -11,8 +13,9 @@ struct RotationMatch {
   double correlation = -1;                ///< of detail, weighted, at about 2 degrees
 };
 
-/// The rotation under which two views agree best, and roughly the distances that are not known.
-RotationMatch match_rotation(const BallView& a, const BallView& b);
+/// The rotations under which two views agree best, none near a better one, and roughly the distances that are not
+/// known; the best first, one at least. Rooms with two ends alike have two that only a closer look tells apart.
+std::vector<RotationMatch> match_rotations(const BallView& a, const BallView& b);
 
 /// Weighted correlation of two maps' detail under a rotation, -1 where they hardly overlap.
 double correlation(const SphereMap& a, const SphereMap& b, const Mat3& a_from_b, const std::vector<Vec3>& directions);
