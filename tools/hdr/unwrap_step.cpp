@@ -8,6 +8,7 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/io/read.h"
+#include "libhdr/probe/ball_doubt.h"
 #include "libhdr/probe/find_ball.h"
 #include "libhdr/probe/find_image_circle.h"
 #include "libhdr/probe/find_level.h"
@@ -35,8 +36,8 @@ std::optional<double> field_in_exif(const std::string& source, Size size) {
 }
 
 /// What --ball says, or the search: with its distance where the picture, or the camera's field, tells.
-MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
-                        const std::optional<double>& camera_fov, const std::string& source) {
+BallGeometry ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
+                          const std::optional<double>& camera_fov, const std::string& source) {
   if (flags.ball != "auto") {
     const Vec3 numbers = vec3_from_text(flags.ball, "--ball");
     if (!(numbers.z() > 0)) throw Error("--ball: the radius must be positive; give CX,CY,R in pixels");
@@ -46,8 +47,8 @@ MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags&
         disc.cy - disc.r >= size.height) {
       throw Error(fmt::format("--ball: {} lies outside of the {}x{} picture", flags.ball, size.width, size.height));
     }
-    if (camera_fov) return ball_in_photograph(disc, size, *camera_fov);
-    return {disc};
+    if (camera_fov) return {ball_in_photograph(disc, size, *camera_fov), true};
+    return {{disc}, true};
   }
   const auto found = run.stage("find ball", [&] { return find_ball(picture.rgb, {camera_fov}); });
   if (!found)
@@ -56,7 +57,23 @@ MirrorBall ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags&
         ": no mirror ball found: most of its outline must be in the picture; pass --ball CX,CY,R (pixels, y down)");
   run.answer["ball_support"] = found->support;
   run.answer["ball_residual_px"] = found->residual_px;
-  return found->ball;
+  return {found->ball};
+}
+
+/// The outline, the distance, and what is not sure of them.
+void say_ball(Run& run, const BallGeometry& geometry) {
+  const MirrorBall& ball = geometry.ball;
+  std::string text =
+      fmt::format("ball: centre {:.2f}, {:.2f}, radius {:.2f} px", ball.disc.cx, ball.disc.cy, ball.disc.r);
+  if (std::isfinite(ball.distance)) text += fmt::format(", camera at {:.2f} radii", ball.distance);
+  if (geometry.direction_doubt_degrees > 0) {
+    run.answer["ball"]["direction_doubt_degrees"] = geometry.direction_doubt_degrees;
+    text += fmt::format(
+        ", camera taken for far: were it at 5 radii, directions would be up to {:.1f} degrees others "
+        "(--distance, --camera-fov)",
+        geometry.direction_doubt_degrees);
+  }
+  run.say(text);
 }
 
 /// Half a ball is no sphere; a ball that touches the frame is one with a hole.
@@ -155,11 +172,12 @@ Mat3 level_from_picture(Run& run, const RadianceMap& picture, const Projection& 
   }
   if (!flags.level) return Mat3::Identity();
   const auto found = run.stage("level", [&] {
-    constexpr Size kSize{1024, 512};
+    const int half = std::clamp(picture.size().width, 512, 2048) / 2;
+    const Size whole{2 * half, half};
     RadianceMap light;
     light.rgb = picture.rgb.clone();
     light.alpha = picture.alpha.clone();
-    const RadianceMap sphere = unwrap(light, from, LatLong{kSize}, kSize);
+    const RadianceMap sphere = unwrap(light, from, LatLong{whole}, whole);
     return find_level(sphere.rgb, sphere.alpha);
   });
   if (!found) {
@@ -167,9 +185,11 @@ Mat3 level_from_picture(Run& run, const RadianceMap& picture, const Projection& 
                 ": too little in it is vertical to find its level; give --horizon X,Y,X,Y (points on the "
                 "horizon) or --rotate");
   }
-  run.answer["level"] = {{"tilt_degrees", found->tilt_degrees}, {"support", found->support}};
-  run.say(fmt::format("levelled: it was tilted by {:.2f} degrees ({:.0f} % of its edges say so)", found->tilt_degrees,
-                      100 * found->support));
+  run.answer["level"] = {{"tilt_degrees", found->tilt_degrees},
+                         {"support", found->support},
+                         {"deviation_degrees", found->deviation_degrees}};
+  run.say(fmt::format("levelled: it was tilted by {:.2f} +- {:.2f} degrees ({:.0f} % of its lines say so)",
+                      found->tilt_degrees, found->deviation_degrees, 100 * found->support));
   return found->level_from_picture;
 }
 
@@ -179,7 +199,9 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
   const bool geometry_in_from = flags.from.find('=') != std::string::npos;
   const auto named = projection_from_text(geometry_in_from ? flags.from : picture.projection, picture.size());
   const auto* known = named ? std::get_if<MirrorBall>(&*named) : nullptr;
-  MirrorBall ball = known ? *known : MirrorBall{};
+  BallGeometry geometry;
+  MirrorBall& ball = geometry.ball;
+  if (known) ball = *known;
   if (!known || flags.ball != "auto") {
     // EXIF's field is a whole number of millimetres: good for a distance, and told nowhere else.
     std::optional<double> camera_fov = flags.camera_fov;
@@ -190,7 +212,7 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
                             *camera_fov));
     }
     if (camera_fov) run.answer["camera_fov"] = *camera_fov;
-    ball = ball_outline(run, picture, flags, camera_fov, source);
+    geometry = ball_outline(run, picture, flags, camera_fov, source);
     if (known && !flags.camera_fov) ball.distance = known->distance;
   } else if (flags.camera_fov) {
     ball = ball_in_photograph(ball.disc, picture.size(), *flags.camera_fov);
@@ -200,7 +222,15 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
   if (flags.distance) ball.distance = *flags.distance;
   if (!(ball.distance > 1))
     throw Error("--distance: the camera must be outside of the ball, more than 1 radius from its centre");
-  return {ball, known || flags.ball != "auto", known || flags.distance || flags.camera_fov};
+  geometry.outline_known = known || flags.ball != "auto";
+  geometry.distance_known = known || flags.distance || flags.camera_fov;
+  constexpr double kNear = 5;  // radii: nearer than that few photograph a ball
+  if (std::isinf(ball.distance) && !geometry.distance_known) {
+    MirrorBall near = ball;
+    near.distance = kNear;
+    geometry.direction_doubt_degrees = most_degrees_between(ball, near);
+  }
+  return geometry;
 }
 
 RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
@@ -215,12 +245,12 @@ RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFla
   }
   Projection from = projection_of_probe(flags.with_field(from_text), picture.projection, picture.size(), source);
   if (std::holds_alternative<MirrorBall>(from)) {
-    const MirrorBall ball = ball_geometry(run, picture, flags, source).ball;
+    const BallGeometry geometry = ball_geometry(run, picture, flags, source);
+    const MirrorBall& ball = geometry.ball;
     from = ball;
     run.answer["ball"] = {{"cx", ball.disc.cx}, {"cy", ball.disc.cy}, {"r", ball.disc.r}};
     run.answer["ball"]["distance"] = std::isfinite(ball.distance) ? Json(ball.distance) : Json(nullptr);
-    run.say(fmt::format("ball: centre {:.2f}, {:.2f}, radius {:.2f} px{}", ball.disc.cx, ball.disc.cy, ball.disc.r,
-                        std::isfinite(ball.distance) ? fmt::format(", camera at {:.2f} radii", ball.distance) : ""));
+    say_ball(run, geometry);
   }
   // A field that both pictures could have is that of what is written when the source's own tag has said its own.
   const bool field_is_known = flags.from.empty() && flags.target_has_field();

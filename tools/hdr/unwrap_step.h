@@ -11,6 +11,9 @@ struct BallGeometry {
   MirrorBall ball;
   bool outline_known = false;   ///< it was given, not found
   bool distance_known = false;  ///< it was given, not taken for far or read from the outline
+  /// What directions may be off by at most, degrees, within .98 of the radius, where nothing says the distance: a camera
+  /// taken for far may be at 5 radii.
+  double direction_doubt_degrees = 0;
 };
 BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& source);
 
