@@ -107,7 +107,7 @@ std::string html_of_suite(const Bench& all, const Suite& suite) {
   if (rows.empty()) return {};
   std::string html = report::element("p", std::string(suite.sentence) + ".");
   const std::string words = bench::advice_of(suite, rows);
-  if (!words.empty()) html += "<p><strong>" + report::escaped(words) + "</strong></p>\n";
+  if (!words.empty()) html += "<p><strong>" + report::with_code(words) + "</strong></p>\n";
   if (std::string(suite.name) == "skips") return html + table_of_skips(rows);
   if (std::string(suite.name) == "numerics") return html + bench_plots(rows, suite.target) + table_of_numerics(rows);
   if (std::string(suite.name) == "lecture") {

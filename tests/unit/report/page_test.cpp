@@ -16,6 +16,13 @@ TEST(Escaped, NothingOfATextIsMarkup) {
   EXPECT_EQ(escaped("Straße 5 µm ⁻³ 🌞"), "Straße 5 µm ⁻³ 🌞");
 }
 
+TEST(Html, CommandsStandBetweenBackticks) {
+  EXPECT_EQ(with_code("run `hdr info <file>` or `hdr`."),
+            "run <code>hdr info &lt;file&gt;</code> or <code>hdr</code>.");
+  EXPECT_EQ(with_code("`a` and a `"), "<code>a</code> and a `") << "one backtick alone is no command";
+  EXPECT_EQ(with_code(""), "");
+}
+
 TEST(Escaped, BytesThatAreNoCharactersAreReplaced) {
   const std::string bad = "\xEF\xBF\xBD";
   EXPECT_EQ(escaped("caf\xE9.jpg"), "caf" + bad + ".jpg") << "Latin-1";

@@ -72,6 +72,18 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+std::string with_code(std::string_view text) {
+  std::string out;
+  for (bool code = false;; code = !code) {
+    const std::size_t end = text.find('`');
+    // A backtick without a second is one.
+    if (end == text.npos || (!code && text.find('`', end + 1) == text.npos)) return out + escaped(text);
+    out += escaped(text.substr(0, end));
+    out += code ? "</code>" : "<code>";
+    text.remove_prefix(end + 1);
+  }
+}
+
 std::string element(std::string_view name, std::string_view text, std::string_view css_class) {
   const std::string attribute = css_class.empty() ? std::string() : fmt::format(" class=\"{}\"", css_class);
   return fmt::format("<{0}{1}>{2}</{0}>", name, attribute, escaped(text));
@@ -106,7 +118,9 @@ std::string Table::html() const {
   out += "</tr></thead>\n<tbody>\n";
   for (const std::vector<std::string>& cells : rows_) {
     out += "<tr>";
-    for (std::size_t k = 0; k < cells.size(); ++k) out += element("td", cells[k], css_class(k));
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      out += fmt::format("<td{}>{}</td>", columns_[k].numeric ? " class=\"number\"" : "", with_code(cells[k]));
+    }
     out += "</tr>\n";
   }
   return out + "</tbody></table></div>\n";

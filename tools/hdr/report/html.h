@@ -11,6 +11,9 @@ namespace hdr::report {
 /// U+FFFD, and so do characters that no page may hold.
 std::string escaped(std::string_view text);
 
+/// escaped(), and what stands between two backticks, a command, as <code>.
+std::string with_code(std::string_view text);
+
 /// <NAME>text</NAME>, the text escaped.
 std::string element(std::string_view name, std::string_view text, std::string_view css_class = {});
 
@@ -19,7 +22,7 @@ std::string number(double value, int digits = 3);
 /// A time: 1/250 s, 2.5 s.
 std::string seconds_text(double seconds);
 
-/// Rows of escaped text under a header; columns of numbers stand to the right.
+/// Rows of text, with_code(), under a header; columns of numbers stand to the right.
 class Table {
  public:
   struct Column {
