@@ -11,13 +11,13 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/median.h"
-#include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/io/read.h"
 #include "libhdr/probe/find_ball.h"
 #include "libhdr/probe/photograph.h"
 #include "libhdr/probe/photographer.h"
+#include "tests/support/round_thing.h"
 
 namespace hdr {
 namespace {
@@ -183,26 +183,7 @@ Image<float> picture_of_thing(const Place& place, std::uint64_t seed, const std:
   const Disc disc{0.5 * kSize.width + (0.5 * kSize.width - r - 8) * (2 * random.uniform() - 1) * 0.7,
                   0.5 * kSize.height + (0.5 * kSize.height - r - 8) * (2 * random.uniform() - 1) * 0.7, r};
   const Radiance radiance = round_things(random, place).at(kind);
-  constexpr int kSamples = 4;
-  for_rows(kSize.height, 8, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < kSize.width; ++x) {
-        double light = 0;
-        int inside = 0;
-        for (int k = 0; k < kSamples * kSamples; ++k) {
-          const Vec2 p((x + (k % kSamples + 0.5) / kSamples - disc.cx) / disc.r,
-                       (y + (k / kSamples + 0.5) / kSamples - disc.cy) / disc.r);
-          if (p.norm() > 1) continue;
-          light += median * radiance(p);
-          ++inside;
-        }
-        const double beside = 1 - static_cast<double>(inside) / (kSamples * kSamples);
-        for (int c = 0; c < 3; ++c)
-          view(x, y, c) =
-              static_cast<float>(beside * static_cast<double>(view(x, y, c)) + light / (kSamples * kSamples));
-      }
-    }
-  });
+  test::paint_round(view, disc, [&](const Vec2& p) { return median * radiance(p); });
   add_noise(view, 0.002 + 0.008 * random.uniform(), seed);
   return view;
 }

@@ -9,6 +9,7 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/rim_stretch.h"
 #include "libhdr/probe/photograph.h"
+#include "tests/support/round_thing.h"
 #include "tests/unit/probe/made_up_environments.h"
 
 namespace hdr {
@@ -85,23 +86,7 @@ template <class Radiance>
 Image<float> round_thing(std::uint64_t seed, const Disc& disc, const Radiance& radiance) {
   const Image<float> scene = test::latlong_of(512, test::SoftRoom(seed, 0.5));
   Image<float> view = photograph_view(scene, {800, 600}, 50, rotation_from_degrees({0, 53.0 * double(seed), 0}));
-  constexpr int kSamples = 4;
-  for (int y = 0; y < 600; ++y) {
-    for (int x = 0; x < 800; ++x) {
-      double light = 0;
-      int inside = 0;
-      for (int k = 0; k < kSamples * kSamples; ++k) {
-        const Vec2 p((x + (k % kSamples + 0.5) / kSamples - disc.cx) / disc.r,
-                     (y + (k / kSamples + 0.5) / kSamples - disc.cy) / disc.r);
-        if (p.norm() > 1) continue;
-        light += radiance(p);
-        ++inside;
-      }
-      const double beside = 1 - static_cast<double>(inside) / (kSamples * kSamples);
-      for (int c = 0; c < 3; ++c)
-        view(x, y, c) = static_cast<float>(beside * view(x, y, c) + light / (kSamples * kSamples));
-    }
-  }
+  test::paint_round(view, disc, radiance);
   add_noise(view, 0.003, seed);
   return view;
 }
