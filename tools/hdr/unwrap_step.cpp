@@ -69,7 +69,7 @@ void say_ball(Run& run, const BallGeometry& geometry) {
   if (geometry.direction_doubt_degrees > 0) {
     run.answer["ball"]["direction_doubt_degrees"] = geometry.direction_doubt_degrees;
     text += fmt::format(
-        ", camera taken for far: were it at 5 radii, directions would be up to {:.1f} degrees others "
+        ", camera taken for far: were it at 5 radii, directions would be up to {:.1f} degrees off "
         "(--distance, --camera-fov)",
         geometry.direction_doubt_degrees);
   }
