@@ -9,6 +9,7 @@
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/photograph.h"
 #include "libhdr/probe/photographer.h"
+#include "tests/support/rounds.h"
 #include "tests/unit/probe/made_up_environments.h"
 
 namespace hdr {
@@ -71,7 +72,7 @@ std::vector<RegisteredView> expect_registered(const Photographs& p, const std::v
 }
 
 TEST(BallViews, NinetyDegreesApartTheRotationIsFound) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed < 1 + test::rounds(3); ++seed) {
     Random random(seed, 10);
     const Vec3 first(0, 360 * random.uniform(), 0);
     const Vec3 second = first + Vec3(10 * random.uniform() - 5, 90, 10 * random.uniform() - 5);
@@ -89,7 +90,7 @@ TEST(BallViews, UnknownDistancesAreFoundWithTheRotation) {
 
 // What finds a ball is right to half a pixel or so, which at this size is 0.3 degrees in the middle of the ball.
 TEST(BallViews, OutlinesThatAreAPixelOffAreMendedWithTheRotation) {
-  for (std::uint64_t seed = 51; seed < 54; ++seed) {
+  for (std::uint64_t seed = 51; seed < 51 + test::rounds(3); ++seed) {
     Photographs p(seed, {{0, 10, 0}, {2, 100, -4}}, {9, 15}, {1, 1}, false);
     const double off[2][3] = {{0.7, -0.5, 0.3}, {-0.6, -0.7, -0.4}};
     for (std::size_t k = 0; k < 2; ++k) {
@@ -104,7 +105,7 @@ TEST(BallViews, OutlinesThatAreAPixelOffAreMendedWithTheRotation) {
 
 // A courtyard: from afar half a turn more is as good.
 TEST(BallViews, OfTwoEndsThatLookAlikeTheRightOneIsTaken) {
-  for (std::uint64_t seed = 61; seed < 64; ++seed) {
+  for (std::uint64_t seed = 61; seed < 61 + test::rounds(3); ++seed) {
     const Photographs p(seed, {{0, 10, 0}, {2, 100, -4}}, {9, 15}, {1, 1}, false, 0.4);
     const RegisteredView found = expect_registered(p, {1, 1}, {9, 15}, "seed " + std::to_string(seed))[1];
     EXPECT_GT(found.runner_up, 0.3) << "the other end is known of";
@@ -125,7 +126,7 @@ TEST(BallViews, OnePhotographTwiceIsRefused) {
 }
 
 TEST(BallViews, OtherRoomsAreRefused) {
-  for (std::uint64_t seed = 31; seed < 33; ++seed) {
+  for (std::uint64_t seed = 31; seed < 31 + test::rounds(2); ++seed) {
     Photographs here(seed, {{0, 0, 0}}, {kFar}, {1}, true), elsewhere(seed + 100, {{0, 90, 0}}, {kFar}, {1}, true);
     try {
       const auto found = register_ball_views({here.views[0], elsewhere.views[0]}, {"here.exr", "elsewhere.exr"});

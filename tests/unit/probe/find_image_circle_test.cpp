@@ -8,6 +8,7 @@
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/photograph.h"
+#include "tests/support/rounds.h"
 #include "tests/unit/probe/made_up_environments.h"
 
 namespace hdr {
@@ -61,7 +62,7 @@ void expect_found(Size size, const Fisheye& lens, std::uint64_t seed, const std:
 }
 
 TEST(FindImageCircle, PlacesTheRimWithinHalfAPixel) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed < 1 + test::rounds(12); ++seed) {
     Random random(seed, 1);
     const Size size{640 + static_cast<int>(200 * random.uniform()), 600};
     Fisheye lens;
@@ -82,7 +83,7 @@ TEST(FindImageCircle, MayBeCutHalfDarkOrUnderFlare) {
 }
 
 TEST(FindImageCircle, APictureThatFillsItsFrameHasNone) {
-  for (std::uint64_t seed = 31; seed < 35; ++seed) {
+  for (std::uint64_t seed = 31; seed < 31 + test::rounds(4); ++seed) {
     const Image<float> scene = test::latlong_of(512, test::SoftRoom(seed, 0.5));
     EXPECT_FALSE(find_image_circle(scene)) << "a lat-long";
     EXPECT_FALSE(find_image_circle(photograph_view(scene, {640, 480}, 60))) << "a photograph";

@@ -10,6 +10,7 @@
 #include "libhdr/probe/internal/seam_cut.h"
 #include "libhdr/probe/stitch.h"
 #include "tests/support/carpet.h"
+#include "tests/support/rounds.h"
 #include "tests/unit/probe/made_up_environments.h"
 
 namespace hdr {
@@ -97,7 +98,7 @@ bool whole(double share) {
 
 TEST(Seam, SomebodyWhoWalksInTheOverlapOfPhotographsIsNotCutInTwo) {
   int cut_by_feather = 0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+  for (std::uint64_t seed = 1; seed < 1 + test::rounds(4); ++seed) {
     const test::Carpet world(seed);
     Random random(seed, 12);
     // Eight photographs, 45 degrees apart, of 80 degrees each; he stands in an overlap, and is elsewhere in it next.
@@ -131,7 +132,7 @@ TEST(Seam, SomebodyWhoWalksInTheOverlapOfPhotographsIsNotCutInTwo) {
 }
 
 TEST(Seam, SomebodyWhoWalksBetweenTwoFisheyesIsNotCutInTwo) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed < 1 + test::rounds(3); ++seed) {
     const test::Carpet world(seed + 10);
     Random random(seed, 13);
     const Size size{500, 500};
