@@ -16,8 +16,12 @@ constexpr float kLeastHat = 0.06f;
 constexpr float kLeastShift_px = 0.12f;   ///< registered shots are not registered perfectly
 constexpr float kMostCorrection = 0.35f;  ///< ln
 constexpr float kMostScale = 3;
-constexpr float kMostMisfit = 0.35f;    ///< of a colour's distance from grey
-constexpr std::size_t kFewest = 60;     ///< cells behind a median
+constexpr float kMostMisfit = 0.35f;  ///< of a colour's distance from grey
+constexpr std::size_t kFewest = 60;   ///< cells behind a median
+/// Of the samples that would show that a colour has paled: more are the camera's doing. What moved seldom is paler and
+/// as bright.
+constexpr float kMostPaled = 0.1f;
+constexpr float kPlain = 3;             ///< deviations
 constexpr std::size_t kSample = 60000;  ///< cells that medians look at, about
 /// Of the pixels of a lossy shot: a block's coefficients are wrong in many of them at once.
 constexpr float kIndependent = 0.25f;
@@ -72,8 +76,11 @@ PairAgreement::PairAgreement(const CellGrid& grid, const MergeModel& model, cons
   for (auto& channel : correction_) channel.fill(1);
   find_corrections();
   find_colours();
+  // Scales are those of all cells: what pales and is excused would make small ones for what pales a little.
+  const int pales_from = find_paling();
   find_scales_of_colours();
   find_scale();
+  pales_from_ = pales_from;
 }
 
 /// Relative deviations of levels, by channel, for what is wrong with codes close to their ends.
@@ -113,6 +120,7 @@ void PairAgreement::differences(std::size_t cell, Difference* out) const {
   }
   const std::array<float, 3> doubt_a = doubts(a_, b_, a_per_b, cell), doubt_b = doubts(b_, a_, b_per_a, cell);
   const Light light = light_of(cell);
+  const bool pales = light.brightness >= pales_from_;
   const float most_misfit = kMostMisfit * light.chroma * light.largest;
   for (std::size_t c = 0; c < 3; ++c) {
     const bool clipped_a = a_.clipped(cell, c), clipped_b = b_.clipped(cell, c);
@@ -124,6 +132,7 @@ void PairAgreement::differences(std::size_t cell, Difference* out) const {
     d.value = light.a[c] - light.b[c] - std::clamp(misfit.offset * light.largest, -most_misfit, most_misfit);
     if (clipped_a) d.value = std::max(0.0f, d.value);  // a says: at least this
     if (clipped_b) d.value = std::min(0.0f, d.value);
+    if (pales && d.value < 0) d.value = std::min(0.0f, d.value + light.paler[c]);  // b says: as bright, if paler
     const float per_a = 1 / a_.exposure, per_b = correction_of(cell, c) / b_.exposure;
     d.noise = (square(per_a) / channel.precision.at(a_.picture.level[sample]) +
                square(per_b) / channel.precision.at(b_.picture.level[sample])) /
@@ -149,6 +158,9 @@ PairAgreement::Light PairAgreement::light_of(std::size_t cell) const {
     // What both show; where the longer one is clipped, as the shorter one has it.
     light.largest = std::max(light.largest, b_.clipped(cell, c) ? light.a[c] : std::min(light.a[c], light.b[c]));
   }
+  const float largest_of_a = std::max({light.a[0], light.a[1], light.a[2]});
+  for (std::size_t c = 0; c < 3; ++c) light.paler[c] = largest_of_a - light.a[c];
+  light.brightness = brightness_bin(largest_of_a * b_.exposure);
   const auto chroma = [](const std::array<float, 3>& rgb) {
     const auto [least, most] = std::minmax({rgb[0], rgb[1], rgb[2]});
     return most > 0 ? (most - least) / most : 0;
@@ -202,6 +214,35 @@ void PairAgreement::find_colours() {
     }
   });
   for (std::size_t c = 0; c < 3; ++c) misfit_[c] = ColourMisfit(c, of_a[c], of_b[c]);
+}
+
+/// Quarter octaves of the level that a shot has to show, up to four times what it can.
+int PairAgreement::brightness_bin(float level) {
+  const float quarters = 4 * (2 - std::log2(std::max(level, 1e-6f)));
+  return std::clamp(kBrightness - 1 - static_cast<int>(quarters), 0, kBrightness - 1);
+}
+
+int PairAgreement::find_paling() const {
+  std::array<std::size_t, kBrightness> paled{}, all{};
+  for_some([&](std::size_t cell) {
+    const Light light = light_of(cell);
+    Difference channels[3];
+    differences(cell, channels);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float plain = kPlain * std::sqrt(channels[c].noise + channels[c].other);
+      if (!(channels[c].noise > 0) || light.paler[c] < 2 * plain) continue;
+      const auto bin = static_cast<std::size_t>(light.brightness);
+      ++all[bin];
+      paled[bin] += channels[c].value < -plain && channels[c].value > -light.paler[c] - plain;
+    }
+  });
+  // The brighter, the paler: from the darkest bin on that shows it. What shots differ by in the dark is no fading.
+  constexpr std::size_t kDarkest = 2;  // a third of white
+  for (std::size_t bin = kDarkest; bin < kBrightness; ++bin) {
+    const bool pales = static_cast<float>(paled[bin]) > kMostPaled * static_cast<float>(all[bin]);
+    if (all[bin] >= kFewest && pales) return static_cast<int>(bin);
+  }
+  return kBrightness;
 }
 
 void PairAgreement::find_scales_of_colours() {

@@ -207,8 +207,105 @@ void measure_photographs(const Path& folder, const Path& pictures) {
   write_picture(pictures / (folder.filename().string() + ".png"), picture);
 }
 
+struct CameraKind {
+  const char* name;
+  test::ColourCamera camera;
+};
+
+/// Matrices: none, a soft one, two as profiles of cameras have them, a strong one, one that adds; highlights that fade
+/// not at all, late, or early; pictures made more vivid than the scene.
+std::vector<CameraKind> cameras() {
+  using Matrix = std::array<double, 6>;
+  const Matrix none{}, soft{-.3, -.1, -.15, -.2, -.05, -.35}, real{-.66, -.12, -.19, -.30, .03, -.43},
+      real2{-.45, -.25, -.25, -.2, -.1, -.6}, strong{-1.1, -.1, -.35, -.4, .05, -.75},
+      adding{.15, -.2, -.2, .1, .1, -.3};
+  return {{"no matrix", {none, 0, 1, 0}},
+          {"no matrix, late fade", {none, 0, .8, .5}},
+          {"no matrix, early fade", {none, 0, .5, .33}},
+          {"soft", {soft, 0, 1, 0}},
+          {"real", {real, 0, 1, 0}},
+          {"real, vivid", {real, .3, 1, 0}},
+          {"real, late fade", {real, 0, .8, .5}},
+          {"real, early fade", {real, .15, .5, .33}},
+          {"real 2, fade to white", {real2, .15, .7, 1}},
+          {"strong", {strong, 0, 1, 0}},
+          {"strong, early fade", {strong, .2, .5, .33}},
+          {"adding, late fade", {adding, .1, .8, .5}}};
+}
+
+/// |log2| p99 of the map against the closest of maps of brackets in which nothing moved.
+double p99_of_closest(View<const float> map, const std::vector<Image<float>>& moments) {
+  Image<float> errors(map.size(), 1);
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      double least = 1e9;
+      for (const Image<float>& moment : moments) {
+        least = std::min<double>(least, std::abs(std::log2(map(x, y, 1) / moment(x, y, 1))));
+      }
+      errors(x, y) = std::isfinite(least) ? static_cast<float>(least) : -1.0f;
+    }
+  }
+  return test::error_quantile(errors, 0.99);
+}
+
+/// What --deghost does to a still picture of such a camera, and to one in which a thing moves.
+void measure_camera(const CameraKind& kind, const std::string& format, std::uint64_t seed, const Path& pictures) {
+  test::MoverPlan plan;
+  plan.size = {600, 400};
+  plan.camera = kind.camera;
+  plan.colour = 1.5;
+  plan.object_stops = seed % 2 ? 1.5 : -1.5;
+  plan.seed = seed;
+  const test::MovingScene scene = test::moving_scene(plan);
+  const test::ScratchDir scratch;
+  const Bracket still = through_files(scene.still, format, scratch / "still");
+  const Bracket moving = through_files(scene.moving, format, scratch / "moving");
+  const test::GhostShare share = test::ghost_share(still);
+  const Alignment alignment = no_alignment(still);
+  const Calibration calibration = calibrate_debevec_malik(moving, {});
+  std::vector<Image<float>> moments;
+  MergeOptions options;
+  options.noise_estimate = calibration.noise;
+  for (std::size_t moment = 0; moment < scene.truths.size(); ++moment) {
+    test::MoverPlan other = plan;
+    other.seed = seed + 100;
+    Bracket shots;
+    for (std::size_t k = 0; k < plan.evs.size(); ++k) {
+      shots.shots.push_back(test::movers::shot_of(scene.truths[moment], other, k));
+      shots.input_order.push_back(static_cast<int>(k));
+    }
+    const Bracket bracket = through_files(shots, format, scratch / fmt::format("moment{}", moment));
+    moments.push_back(merge(bracket, alignment, calibration.response, options).map.rgb.clone());
+  }
+  const Image<float> plain = merge(still, alignment, calibration.response, options).map.rgb.clone();
+  const Image<float> ghosts = merge(moving, alignment, calibration.response, options).map.rgb.clone();
+  options.deghost = true;
+  const Merged clean = merge(moving, alignment, calibration.response, options);
+  const double noise = p99_of_closest(plain, moments);
+  fmt::print("{:<24} {} {:>4}  {:7.3f} % {:7.3f} %   {:6.4f}  {:6.4f}  {:6.4f}  {:5.2f}  {:5.1f} %\n", kind.name,
+             format, seed, 100 * share.touched, 100 * share.beyond_sigma, noise, p99_of_closest(ghosts, moments),
+             p99_of_closest(clean.map.rgb, moments), p99_of_closest(clean.map.rgb, moments) / noise,
+             100 * clean.ghosts.share);
+  std::fflush(stdout);
+  if (pictures.empty()) return;
+  std::filesystem::create_directories(pictures);
+  std::string name = fmt::format("{} {}", kind.name, seed);
+  std::replace(name.begin(), name.end(), ' ', '_');
+  for (std::size_t k = 0; k < still.shots.size(); ++k) {
+    write_photo(pictures / fmt::format("{}_{}.png", name, k), scene.still.shots[k]);
+  }
+  if (!share.mask.empty()) {
+    Image<std::uint8_t> picture(share.mask.size(), 3);
+    for (int y = 0; y < picture.height(); ++y) {
+      for (int x = 0; x < picture.width(); ++x) std::fill_n(picture.pixel(x, y), 3, share.mask(x, y));
+    }
+    write_picture(pictures / (name + "_mask.png"), picture);
+  }
+}
+
 int main(int argc, char** argv) {
   int seeds = 3;
+  bool colour_cameras = false;
   std::string only, pictures;
   std::vector<std::string> photographs;
   CLI::App app("  deghost_bench --seeds 3\n\na thing that moves against the same bracket without it");
@@ -216,7 +313,21 @@ int main(int argc, char** argv) {
   app.add_option("--only", only, "kinds whose name holds this");
   app.add_option("--pictures", pictures, "folder for maps, errors (red) and masks (green)");
   app.add_option("--photographs", photographs, "folders of brackets: how much --deghost changes of each, and no more");
+  app.add_flag("--cameras", colour_cameras, "cameras with colour matrices: what changes of still pictures");
   CLI11_PARSE(app, argc, argv);
+  if (colour_cameras) {
+    fmt::print(
+        "camera, format, seed; of a still picture: touched, beyond a deviation; of a moving one: p99 of |log2| still, "
+        "ghosts, clean, ratio, share\n");
+    for (const CameraKind& kind : cameras()) {
+      if (std::string(kind.name).find(only) == std::string::npos) continue;
+      for (int seed = 1; seed <= seeds; ++seed) {
+        for (const char* format : {"png", "jpg"})
+          measure_camera(kind, format, static_cast<std::uint64_t>(seed), pictures);
+      }
+    }
+    return 0;
+  }
   for (const std::string& folder : photographs) measure_photographs(folder, pictures);
   if (!photographs.empty()) return 0;
   fmt::print(

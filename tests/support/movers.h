@@ -3,11 +3,13 @@
 // known, so a map can be asked at each pixel whether it shows one of these.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "libhdr/core/random.h"
 #include "libhdr/core/vec.h"
 #include "libhdr/response/expose.h"
+#include "tests/support/colour_camera.h"
 #include "tests/support/scene.h"
 
 namespace hdr::test {
@@ -18,10 +20,12 @@ struct MoverPlan {
   std::vector<double> evs{-4, -2, 0, 2, 4};
   Response response = srgb_response(8);
   NoiseModel noise{};
-  double object = 0.15;       ///< its width as a share of the picture's
-  double object_stops = 1.5;  ///< brighter (or, negative, darker) than the scene around it
-  double step = 0.1;          ///< from place to place, as a share of the picture's width: below `object` they overlap
-  double shift = 0;           ///< hand shake, up to so many pixels each way
+  std::optional<ColourCamera> camera;  ///< takes the photographs, its curve and noise in place of those above
+  double colour = 0;                   ///< of the scene, stops
+  double object = 0.15;                ///< its width as a share of the picture's
+  double object_stops = 1.5;           ///< brighter (or, negative, darker) than the scene around it
+  double step = 0.1;  ///< from place to place, as a share of the picture's width: below `object` they overlap
+  double shift = 0;   ///< hand shake, up to so many pixels each way
   std::uint64_t seed = 1;
 };
 
@@ -63,7 +67,8 @@ inline Image<float> through_lens(const Image<float>& scene) {
 inline Photo shot_of(View<const float> view, const MoverPlan& plan, std::size_t k) {
   Exposure exposure;
   exposure.seconds = std::exp2(plan.evs[k]);
-  Photo photo = expose(view, exposure, {plan.response, plan.noise, 0.18}, 77 * plan.seed + k);
+  Photo photo = plan.camera ? photograph(view, *exposure.seconds, *plan.camera, 77 * plan.seed + k)
+                            : expose(view, exposure, {plan.response, plan.noise, 0.18}, 77 * plan.seed + k);
   photo.path = "shot" + std::to_string(k) + ".png";
   return photo;
 }
@@ -73,8 +78,9 @@ inline Photo shot_of(View<const float> view, const MoverPlan& plan, std::size_t 
 inline MovingScene moving_scene(const MoverPlan& plan) {
   MovingScene made;
   const auto [width, height] = plan.size;
-  const Image<float> background =
-      movers::through_lens(movers::through_lens(test_scene(width, height, plan.scene_stops, plan.seed)));
+  Image<float> scene = test_scene(width, height, plan.scene_stops, plan.seed);
+  if (plan.colour > 0) scene = coloured(scene, plan.colour, plan.seed);
+  const Image<float> background = movers::through_lens(movers::through_lens(scene));
   Random random(plan.seed, 0x30f3);
   const double rx = 0.5 * plan.object * width, ry = rx * (0.8 + 1.2 * random.uniform());
   const double steps = static_cast<double>(plan.evs.size() - 1) * plan.step * width;

@@ -40,6 +40,11 @@ struct CellShot {
 /// camera does to colours, the more the farther they are from grey (ghost_colours.h), and by whatever the shots
 /// themselves show most cells to differ by: a median size above the model's scales it. What is left over is a thing
 /// that moved.
+///
+/// Near white colours pale: sensors clip each channel before a matrix mixes them, curves fade to white. How much
+/// depends on the colour, and cells of one colour are too few to tell. So the longer shot is asked at each brightness
+/// that the shorter one predicts for it: where more than a few of its lesser channels have more light than predicted,
+/// though no more than the largest, they say nothing there but that they are between the two.
 class PairAgreement {
  public:
   /// `a` has the shorter exposure. All must outlive it.
@@ -65,18 +70,25 @@ class PairAgreement {
   void for_some(const Visit& visit) const;
   void find_corrections();
   void find_colours();
+  int find_paling() const;
   void find_scales_of_colours();
   void find_scale();
   /// The light of both shots, response's corrections included, and of the largest channel.
   struct Light {
     std::array<float, 3> a, b;
     float largest = 0;
+    std::array<float, 3> paler;  ///< how much more light than in a the channel has when no colour is left
+    int brightness = 0;          ///< that b has to show, in bins
     float chroma = 0;  ///< 0 grey, 1 at the edge of the gamut; the less of both shots, where both show the colour
   };
   Light light_of(std::size_t cell) const;
   float correction_of(std::size_t cell, std::size_t channel) const {
     return correction_[channel][static_cast<std::size_t>(ColourBins::octave_of(a_.picture.level[3 * cell + channel]))];
   }
+
+  static constexpr int kBrightness = 16;
+  static int brightness_bin(float level);
+  int pales_from_ = kBrightness;  ///< brightness from which the camera makes colours paler
 
   static constexpr int kOctaves = ColourBins::kOctaves;
   const CellGrid& grid_;
