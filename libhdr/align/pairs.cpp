@@ -124,16 +124,23 @@ std::vector<MeasuredPair> measure_pairs(const Bracket& bracket, const std::vecto
 std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, const std::vector<int>& used,
                                                      const Linearizer& linearizer) {
   std::vector<MeasuredPair> pairs;
-  std::optional<StillProbe> previous;
+  std::unique_ptr<StillProbe> previous;
   const auto make = [&](int shot) {
-    return still_probe(*LoadedShot(bracket.shots[static_cast<std::size_t>(shot)]), linearizer);
+    return std::make_unique<StillProbe>(LoadedShot(bracket.shots[static_cast<std::size_t>(shot)]), linearizer);
   };
   bool moved = false;
   int k = 0;
-  visit_in_order(used, 2, make, [&](StillProbe next) {
-    const std::optional<PairMotion> motion = previous ? still_motion(*previous, next) : std::nullopt;
-    moved = previous && !motion;
-    if (motion) pairs.push_back({k - 1, k, *motion});
+  visit_in_order(used, 2, make, [&](std::unique_ptr<StillProbe> next) {
+    if (previous) {
+      StillAnswer answer = still_motion(*previous, *next);
+      if (answer.stillness == Stillness::kUnclear) {
+        // This pair alone is looked at as closely as can be: whether the bracket stays, all pairs together will tell.
+        answer.motion = measure(prepare(previous->photo(), linearizer, AlignMethod::kAuto),
+                                prepare(next->photo(), linearizer, AlignMethod::kAuto), AlignMethod::kAuto);
+      }
+      moved = answer.stillness == Stillness::kMoved || !answer.motion.trouble.empty();
+      pairs.push_back({k - 1, k, answer.motion});
+    }
     previous = std::move(next);
     ++k;
     return !moved;

@@ -6,10 +6,25 @@
 namespace hdr::internal {
 namespace {
 
-constexpr int kTiles = 6, kTileSide = 64;  // 147 456 pixels of a photograph of any size
-constexpr int kNearRadius = 2;             // pixels of the thumbnail: the tiles tell whether what is there is the same
-constexpr int kSamplesASide = 2;           // of each cell of a thumbnail: does it lie where it was, or far away?
-constexpr double kBiasPx = 0.03;           // what response, compression and resampling may add to a measured shift
+// Tiles a side of the mosaic: 36 864 pixels of a photograph of any size tell of most that it lies still; where they
+// leave a doubt, twice and four times as many a side are asked.
+constexpr int kFewestTiles = 3, kMostTiles = 24, kTileSide = 64;
+constexpr int kNearRadius = 2;    // pixels of the thumbnail: the tiles tell whether what is there is the same
+constexpr int kSamplesASide = 2;  // of each cell of a thumbnail: does it lie where it was, or far away?
+constexpr double kBiasPx = 0.03;  // what response, compression and resampling may add to a measured shift
+constexpr double kSure = 1.5;     // deviations of a measured motion from the bound under which it is called none
+constexpr double kMoved = 3;      // and beyond which there is no use in a closer look
+
+/// Tiles of the mosaic know where they were cut from the photograph.
+void place_tiles(Linearization& at, Size photo, int tiles) {
+  for (TileSums& tile : at.tiles) {
+    const Vec2 in_mosaic = tile.middle + Vec2(0.5, 0.5);
+    const Vec2 index = (in_mosaic / kTileSide).array().floor();
+    const Vec2 corner(std::floor((index.x() + 0.5) / tiles * (photo.width - kTileSide)),
+                      std::floor((index.y() + 0.5) / tiles * (photo.height - kTileSide)));
+    tile.middle += corner - index * kTileSide;
+  }
+}
 
 }  // namespace
 
@@ -19,39 +34,38 @@ LogPicture thumbnail(const Photo& photo, const Linearizer& linearizer, int sampl
   return log_picture(photo, linearizer, cell, std::max(1, cell / samples_a_side));
 }
 
-StillProbe still_probe(const Photo& photo, const Linearizer& linearizer) {
-  StillProbe probe{photo.size(), thumbnail(photo, linearizer, kSamplesASide), {}};
-  if (std::min(photo.width(), photo.height()) >= kTileSide) {
-    probe.tiles = smoothed(tile_picture(photo, linearizer, 1, kTiles, kTileSide), 2);
-  }
-  return probe;
+StillProbe::StillProbe(LoadedShot shot, const Linearizer& linearizer)
+    : shot_(std::move(shot)),
+      linearizer_(&linearizer),
+      thumbnail_(internal::thumbnail(*shot_, linearizer, kSamplesASide)) {
+  if (most_tiles() >= kFewestTiles) tiles(kFewestTiles);
 }
 
-namespace {
-
-/// Tiles of the mosaic know where they were cut from the photograph.
-void place_tiles(Linearization& at, Size photo) {
-  for (TileSums& tile : at.tiles) {
-    const Vec2 in_mosaic = tile.middle + Vec2(0.5, 0.5);
-    const Vec2 index = (in_mosaic / kTileSide).array().floor();
-    const Vec2 corner(std::floor((index.x() + 0.5) / kTiles * (photo.width - kTileSide)),
-                      std::floor((index.y() + 0.5) / kTiles * (photo.height - kTileSide)));
-    tile.middle += corner - index * kTileSide;
-  }
+int StillProbe::most_tiles() const {
+  return std::min(kMostTiles, std::min(size().width, size().height) / kTileSide);
 }
 
-}  // namespace
+const LogPicture& StillProbe::tiles(int count) {
+  LogPicture& mosaic = tiles_[count];
+  if (mosaic.ln.empty()) mosaic = smoothed(tile_picture(*shot_, *linearizer_, 1, count, kTileSide), 2);
+  return mosaic;
+}
 
-std::optional<PairMotion> still_motion(const StillProbe& a, const StillProbe& b) {
-  const std::vector<Vec2> far = search_shifts(a.thumbnail, b.thumbnail, kNearRadius, 1);
-  if (far.empty() || far[0].cwiseAbs().maxCoeff() > 0.5 * a.thumbnail.cell) return std::nullopt;
-  if (a.tiles.ln.empty()) return std::nullopt;
-  PairMotion near = refine_in_place(a.size, a.tiles, b.tiles, [&](Linearization& at) { place_tiles(at, a.size); });
-  const MotionFrame frame(a.size);
-  if (!near.trouble.empty() || frame.farthest_between(near.b_from_a, Mat3::Identity()) >= kStillPx) {
-    return std::nullopt;
+StillAnswer still_motion(StillProbe& a, StillProbe& b) {
+  const std::vector<Vec2> far = search_shifts(a.thumbnail(), b.thumbnail(), kNearRadius, 1);
+  if (far.empty() || far[0].cwiseAbs().maxCoeff() > 0.5 * a.thumbnail().cell) return {Stillness::kMoved, {}};
+  const MotionFrame frame(a.size());
+  for (int tiles = kFewestTiles; tiles <= a.most_tiles(); tiles *= 2) {
+    PairMotion near = refine_in_place(a.size(), a.tiles(tiles), b.tiles(tiles),
+                                      [&](Linearization& at) { place_tiles(at, a.size(), tiles); });
+    if (!near.trouble.empty()) continue;  // more tiles may have what these lack
+    const double moved = frame.farthest_between(near.b_from_a, Mat3::Identity());
+    const double doubt = frame.rms(near.covariance());
+    const bool last = 2 * tiles > a.most_tiles();
+    if (moved + kSure * doubt < kStillPx || (last && moved < kStillPx)) return {Stillness::kStill, near};
+    if (moved - kMoved * doubt > kStillPx) return {Stillness::kMoved, {}};
   }
-  return near;
+  return {Stillness::kUnclear, {}};
 }
 
 bool lies_still(double moved_px, double error_px) {

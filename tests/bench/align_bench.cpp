@@ -10,6 +10,7 @@
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/io/bracket.h"
+#include "libhdr/merge/merge.h"
 #include "libhdr/response/calibrate.h"
 #include "tests/bench/brackets.h"
 #include "tests/bench/film.h"
@@ -135,8 +136,33 @@ std::vector<Path> maps_in(const std::string& folder) {
   return maps;
 }
 
+/// What registering costs beside merging, and where it leaves the shots.
+void measure_photographs(const Path& folder, int repeats) {
+  BracketOptions options;
+  const Path list = folder / "image_list.txt";
+  if (std::filesystem::exists(list)) options.exposures = list;
+  const Bracket bracket = read_bracket({folder}, options);
+  const Response response = provisional_response(bracket);
+  Alignment found;
+  Runs aligning, merging;
+  for (int k = 0; k < repeats; ++k) {
+    aligning.time([&] { found = align(bracket, response); });
+    merging.time([&] { merge(bracket, found, response); });
+  }
+  const double align_cpu = aligning.least().cpu, merge_cpu = merging.least().cpu;
+  fmt::print("{}: {} shots of {:.1f} MP, align {:.3f} s, merge {:.3f} s CPU: {:.1f} % of both; {}\n",
+             folder.filename().string(), bracket.shots.size(), 1e-6 * bracket.size().width * bracket.size().height,
+             align_cpu, merge_cpu, 100 * align_cpu / (align_cpu + merge_cpu),
+             found.identity() ? "nothing is resampled" : "resampled");
+  for (std::size_t k = 0; k < found.frames.size(); ++k) {
+    fmt::print("    {} residual {:.3f} inliers {:.2f} {}\n", bracket.shots[k].path.filename().string(),
+               found.frames[k].residual_px, found.frames[k].inliers, found.frames[k].skipped);
+  }
+}
+
 int main(int argc, char** argv) {
   Options o;
+  std::vector<std::string> photographs;
   CLI::App app("  align_bench --size 4000x3000 --seeds 3\n\nregistration of shaken brackets against the truth");
   app.add_option("--size", o.size, "of a shot, WIDTHxHEIGHT")->capture_default_str();
   app.add_option("--shots", o.shots, "of a bracket")->check(CLI::Range(2, 40))->capture_default_str();
@@ -150,8 +176,11 @@ int main(int argc, char** argv) {
   app.add_option("--format", o.format, "jpg or png")->capture_default_str();
   app.add_option("--repeats", o.repeats, "of what is timed")->capture_default_str();
   app.add_option("--threads", o.threads, "threads (default: all)");
+  app.add_option("--photographs", photographs, "folders of brackets: what registering costs of each, and no more");
   CLI11_PARSE(app, argc, argv);
   if (o.threads > 0) set_threads(o.threads);
+  for (const std::string& folder : photographs) measure_photographs(folder, o.repeats);
+  if (!photographs.empty()) return 0;
   Size size;
   if (std::sscanf(o.size.c_str(), "%dx%d", &size.width, &size.height) != 2 || size.width < 64 || size.height < 64) {
     throw Error("--size: give WIDTHxHEIGHT, 64 pixels or more");

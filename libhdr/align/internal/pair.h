@@ -1,5 +1,6 @@
 #pragma once
 // The motion between two shots of a bracket, as each method reports it.
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -36,6 +37,12 @@ struct PairMotion {
   double inliers = 0;          ///< share of the textured tiles that agree with the motion
   double doubt_px = 0;         ///< of a failed pair
   std::string trouble;         ///< why the motion could not be measured (b_from_a is then the identity); else empty
+
+  /// Of b_from_a, under its model.
+  const MotionMatrix& covariance() const {
+    const auto at = std::find(kMotionModels.begin(), kMotionModels.end(), model);
+    return measured[static_cast<std::size_t>(at - kMotionModels.begin())].covariance;
+  }
 };
 
 /// `doubt_px`: how far the truth may be from no motion; 0: as far as such a camera moves.
