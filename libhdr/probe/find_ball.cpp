@@ -25,10 +25,6 @@ constexpr int kCandidates = 60;
 // Pictures without a ball stay below 0.3, but anything round has an edge: a lamp in a studio has 6.6.
 constexpr double kLeastEvidence = 2;
 constexpr double kLeastSupport = 0.5;
-// Of 62 simulated balls in 13 scenes and made-up rooms one, by night, has 0.08 and is lost, the next 0.14; lamps,
-// plates and wheels have 0.02 or less on their own outline,
-// matt balls, signs, portholes and flat mirrors anything up to 0.9.
-constexpr double kLeastStretch = 0.1;
 constexpr double kLeastInFrame = 0.6;
 constexpr double kBlurred = 0.1;  ///< share of the coarse picture's evidence below which a level is out of focus
 
@@ -83,14 +79,14 @@ Ellipse pointing_at_middle(const Ellipse& outline, Size size) {
   return result;
 }
 
-/// How much of a sphere's stretching an outline holds, in a picture in which its texture is well resolved.
-double stretch_of(const std::vector<Image<float>>& levels, const Ellipse& outline) {
+/// Whether an outline holds a sphere's reflection, judged in a picture in which its texture is well resolved.
+bool holds_reflection(const std::vector<Image<float>>& levels, const Ellipse& outline) {
   constexpr double kResolvedRadius = 220;
   std::size_t level = 0;
   while (level + 1 < levels.size() && std::ldexp(outline.minor, -static_cast<int>(level)) > kResolvedRadius) ++level;
   const Ellipse there = scaled(outline, std::ldexp(1.0, -static_cast<int>(level)));
   const Disc disc{there.centre.x(), there.centre.y(), there.minor};
-  return internal::rim_stretch(levels[level], disc, noise_of(levels[level]));
+  return internal::is_mirrored(internal::rim_stretch(levels[level], disc, noise_of(levels[level])));
 }
 
 /// A circle beside a lamp's, which crosses its edge and so has slopes all over, is no better than the lamp's own.
@@ -99,7 +95,7 @@ bool nearly_alike(const Ellipse& a, const Ellipse& b) {
   return (a.centre - b.centre).norm() + std::abs(a.minor - b.minor) < kNear * b.minor;
 }
 
-/// The circle with the most evidence that holds no lamp, plate or wheel, in the coarsest picture.
+/// The circle with the most evidence that holds a reflection, in the coarsest picture.
 OutlineFit best_circle(const std::vector<Image<float>>& levels) {
   const Image<float>& luminance = levels.back();
   const double scale = std::exp2(static_cast<double>(levels.size()) - 1);
@@ -120,7 +116,7 @@ OutlineFit best_circle(const std::vector<Image<float>>& levels) {
     if (fit.in_frame < kLeastInFrame || fit.support < kLeastSupport) continue;
     const auto alike = [&](const Ellipse& other) { return nearly_alike(fit.outline, other); };
     if (std::any_of(refused.begin(), refused.end(), alike)) continue;
-    if (stretch_of(levels, scaled(fit.outline, scale)) >= kLeastStretch) return fit;
+    if (holds_reflection(levels, scaled(fit.outline, scale))) return fit;
     refused.push_back(fit.outline);
   }
   return {};
@@ -200,12 +196,20 @@ MirrorBall ball_of(const Ellipse& outline, Size size, const FindBallOptions& opt
   return internal::ball_from_elongation(far.disc, middle, outline.major / outline.minor).value_or(far);
 }
 
-/// Without the mirror's own evidence: a circle that nearly fills the frame.
-std::optional<FoundBall> filling_ball(const Image<float>& luminance, const FindBallOptions& options) {
+/// Without the rim's own evidence: a circle that nearly fills the frame, judged where blur is some pixels.
+std::optional<FoundBall> filling_ball(Image<float> luminance, const FindBallOptions& options) {
+  constexpr int kSide = 160, kLeastSide = 32;
   const auto circle = internal::find_filling_circle(luminance);
   if (!circle) return std::nullopt;
   const Disc& d = circle->disc;
-  const MirrorBall ball = ball_of({{d.cx, d.cy}, {1, 0}, d.r, d.r}, luminance.size(), options);
+  const Size size = luminance.size();
+  const std::vector<Image<float>> levels = internal::halvings(std::move(luminance), kSide, kLeastSide);
+  const double scale = std::exp2(1 - static_cast<double>(levels.size()));
+  if (!internal::is_mirrored(
+          internal::rim_stretch(levels.back(), {scale * d.cx, scale * d.cy, scale * d.r}, noise_of(levels.back())))) {
+    return std::nullopt;
+  }
+  const MirrorBall ball = ball_of({{d.cx, d.cy}, {1, 0}, d.r, d.r}, size, options);
   return FoundBall{ball, circle->support, circle->residual_px};
 }
 
@@ -214,11 +218,11 @@ std::optional<FoundBall> filling_ball(const Image<float>& luminance, const FindB
 std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options) {
   constexpr int kLeastSide = 32;
   if (rgb.channels() < 3 || std::min(rgb.width(), rgb.height()) < kLeastSide) return std::nullopt;
-  const std::vector<Image<float>> levels = internal::halvings(raised_luminance(rgb), kCoarseSide, kLeastSide);
+  std::vector<Image<float>> levels = internal::halvings(raised_luminance(rgb), kCoarseSide, kLeastSide);
 
   // In the coarsest picture: the circle with the most evidence of all that the edges vote for.
   const OutlineFit coarse = best_circle(levels);
-  if (coarse.evidence < kLeastEvidence) return filling_ball(levels.front(), options);
+  if (coarse.evidence < kLeastEvidence) return filling_ball(std::move(levels.front()), options);
 
   // From level to level the outline is placed more finely, as long as it is sharp enough to show there.
   double scale = std::exp2(static_cast<double>(levels.size()) - 1);
@@ -232,7 +236,7 @@ std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions&
     best.support = fit.support;
     best.residual_px = scale * fit.residual_px;
   }
-  if (stretch_of(levels, outline) < kLeastStretch) return std::nullopt;
+  if (!holds_reflection(levels, outline)) return std::nullopt;
   best.ball = ball_of(outline, rgb.size(), options);
   return best;
 }

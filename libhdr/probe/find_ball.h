@@ -24,9 +24,8 @@ struct FindBallOptions {
 /// coarse to fine. Beside the picture's middle the outline of a near ball is an ellipse that points there: without a
 /// known field it is taken for one where that has clearly more evidence. Where no outline has that evidence, as under
 /// blur and compression, a circle that nearly fills the frame and along which edges run is taken, to some per cent;
-/// nullopt where there is none. A circle that has the evidence but not the sphere's stretching along its rim
-/// (probe/internal/rim_stretch.h), as lamps, plates and wheels have not, is no ball; matt balls and flat round mirrors
-/// may be taken for one.
+/// nullopt where there is none. A circle that holds no sphere's reflection (probe/internal/rim_stretch.h), as lamps,
+/// plates, clocks, flat mirrors and painted balls do not, is no ball; a sign's few bars may still be taken for one.
 /// Where a plain wall meets its own reflection the outline cannot be seen, and it is less sure than residual_px says.
 std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options = {});
 

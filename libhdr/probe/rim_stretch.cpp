@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "libhdr/core/sphere.h"
@@ -13,67 +12,137 @@
 namespace hdr::internal {
 namespace {
 
-constexpr int kAzimuths = 180;
-constexpr double kStep = 1;         ///< pixels to both sides over which a slope is taken
-constexpr double kFromRim = 2.5;    ///< pixels that stay clear of the rim and its blur
-constexpr double kMostSlope = 1.2;  ///< ln a pixel that one slope may count: a lamp's edge is not all there is
+constexpr double kFromRim = 2.5;     ///< pixels that stay clear of the rim and its blur
+constexpr double kAcross = 2;        ///< pixels over which the change along the radius is taken
+constexpr double kMostChange = 2.4;  ///< ln that one change may count: a lamp's edge is not all there is
+/// Pixels over which the change along the ring is taken.
+constexpr std::array kSteps{1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.3, 16.0, 22.6, 32.0, 45.0, 64.0};
+constexpr std::size_t kStepAcross = 1;  ///< of them the one that is kAcross
 
-/// Slopes of log luminance around a ring.
-struct Slopes {
-  std::vector<double> along, across;  ///< along the radius; along the ring
+/// How much log luminance changes on one ring: mean sizes, in which few large changes, such as a horizon's, count
+/// little.
+struct Ring {
+  double r = 0;  ///< of the radius
+  double across = 0;
+  std::array<double, kSteps.size()> along{};
+  bool seen = false;
 };
 
-Slopes slopes_at(View<const float> picture, const Disc& circle, double radius) {
-  const auto at = [&](double r, double azimuth) {
-    return Vec2(circle.cx + r * std::cos(azimuth), circle.cy + r * std::sin(azimuth));
-  };
-  const auto inside = [&](const Vec2& p) {
-    return p.x() > 1 && p.y() > 1 && p.x() < picture.width() - 1 && p.y() < picture.height() - 1;
-  };
-  const auto value = [&](const Vec2& p) { return std::log(std::max(bilinear(picture, p), 1e-30)); };
-  Slopes slopes;
-  for (int k = 0; k < kAzimuths; ++k) {
-    const double azimuth = 2 * kPi * k / kAzimuths, turn = kStep / radius;
-    if (!inside(at(radius + kStep, azimuth))) continue;
-    const auto slope = [&](const Vec2& from, const Vec2& to) {
-      return std::clamp((value(to) - value(from)) / (2 * kStep), -kMostSlope, kMostSlope);
-    };
-    slopes.along.push_back(slope(at(radius - kStep, azimuth), at(radius + kStep, azimuth)));
-    slopes.across.push_back(slope(at(radius, azimuth - turn), at(radius, azimuth + turn)));
-  }
-  return slopes;
+double bounded_root(double change) {
+  return std::sqrt(std::min(std::abs(change), kMostChange));
 }
 
-/// A mean size in which few large slopes, such as a horizon's, count little.
-double size_of(const std::vector<double>& slopes, double centre) {
-  double sum = 0;
-  for (const double v : slopes) sum += std::sqrt(std::abs(v - centre));
-  return std::pow(sum / static_cast<double>(slopes.size()), 2);
+Ring ring_at(View<const float> picture, const Disc& circle, double r) {
+  const double radius = r * circle.r;
+  const int count = std::max(8, static_cast<int>(2 * kPi * radius));
+  const double pixel = 2 * kPi * radius / count;
+  std::vector<double> values, changes;
+  for (int k = 0; k < count; ++k) {
+    const double azimuth = 2 * kPi * k / count;
+    const auto value = [&](double out) {
+      const Vec2 px(circle.cx + out * std::cos(azimuth), circle.cy + out * std::sin(azimuth));
+      return std::log(std::max(bilinear(picture, px), 1e-30));
+    };
+    const double x = circle.cx + (radius + 1) * std::cos(azimuth), y = circle.cy + (radius + 1) * std::sin(azimuth);
+    values.push_back(value(radius));
+    if (!(x > 1 && y > 1 && x < picture.width() - 1 && y < picture.height() - 1)) continue;
+    changes.push_back(value(radius + 0.5 * kAcross) - value(radius - 0.5 * kAcross));
+  }
+  Ring ring{r};
+  ring.seen = 2 * static_cast<int>(changes.size()) >= count;
+  if (!ring.seen) return ring;
+  double own = 0;  // what is the same all around is a ring's or a lamp's
+  for (const double change : changes) own += change / static_cast<double>(changes.size());
+  for (const double change : changes) ring.across += bounded_root(change - own);
+  ring.across = std::pow(ring.across / static_cast<double>(changes.size()), 2);
+  const auto on_ring = [&](double place) {
+    const double p = std::fmod(place + 2.0 * count, static_cast<double>(count));
+    const int left = static_cast<int>(p) % count;
+    const double f = p - std::floor(p);
+    return (1 - f) * values[static_cast<std::size_t>(left)] + f * values[static_cast<std::size_t>((left + 1) % count)];
+  };
+  for (std::size_t j = 0; j < kSteps.size(); ++j) {
+    const double half = 0.5 * kSteps[j] / pixel;
+    for (int k = 0; k < count; ++k) ring.along[j] += bounded_root(on_ring(k + half) - on_ring(k - half));
+    ring.along[j] = std::pow(ring.along[j] / count, 2);
+  }
+  return ring;
 }
+
+double without_noise(double change, double floor) {
+  return std::sqrt(std::max(0.0, change * change - floor * floor));
+}
+
+/// ln of the step along a ring over which light changes as much as over kAcross along the radius.
+double lengthening(const Ring& ring, double across, double floor) {
+  constexpr double kLeast = -2.5, kBeyond = 0.3, kTiny = 1e-12;
+  double before = 0;
+  for (std::size_t j = 0; j < kSteps.size(); ++j) {
+    const double change = std::max({before, kTiny, without_noise(ring.along[j], floor)});
+    if (change >= across) {
+      if (j == 0) return std::max(kLeast, std::log(kSteps[0] / kAcross * across / change));
+      const double from = std::log(std::max(before, kTiny)), to = std::log(change);
+      const double f = to > from ? (std::log(across) - from) / (to - from) : 0;
+      return std::log(kSteps[j - 1] / kAcross) + f * std::log(kSteps[j] / kSteps[j - 1]);
+    }
+    before = change;
+  }
+  return std::log(kSteps.back() / kAcross) + kBeyond;
+}
+
+/// Weighted least squares of a straight line.
+class Line {
+ public:
+  void add(double weight, double x, double y) {
+    w_ += weight;
+    x_ += weight * x;
+    y_ += weight * y;
+    xx_ += weight * x * x;
+    xy_ += weight * x * y;
+  }
+  double slope() const {
+    const double divisor = w_ * xx_ - x_ * x_;
+    return divisor > 1e-6 ? (w_ * xy_ - x_ * y_) / divisor : 0;
+  }
+  double at(double x) const { return w_ > 0 ? (y_ - slope() * x_) / w_ + slope() * x : 0; }
+  double weight() const { return w_; }
+
+ private:
+  double w_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
+};
 
 }  // namespace
 
-double rim_stretch(View<const float> luminance, const Disc& circle, double noise) {
-  // The mean size of noise's slopes: bilinear readings have two thirds of a pixel's noise.
-  const double floor = 0.8 * noise * 0.67 * std::sqrt(2.0) / (2 * kStep);
-  double found = 0, expected = 0;
-  for (double r = 0.6; r < 0.975; r += 0.025) {
-    if ((1 - r) * circle.r < kFromRim) break;
-    const Slopes slopes = slopes_at(luminance, circle, r * circle.r);
-    if (static_cast<int>(slopes.along.size()) < kAzimuths / 2) continue;
-    const double ring =
-        std::accumulate(slopes.along.begin(), slopes.along.end(), 0.0) / static_cast<double>(slopes.along.size());
-    const double along = size_of(slopes.along, ring), across = size_of(slopes.across, 0);
-    // Where a ring's edge is all there is, what is left of it without its mean is the pixels' raster.
-    const double own = std::clamp(1.5 - std::abs(ring) / (4 * std::max(along, 1e-30)), 0.0, 1.0);
-    // Noise lies no way: it is taken out of both.
-    const double a = std::sqrt(std::max(0.0, along * along - floor * floor)) + floor;
-    const double b = std::sqrt(std::max(0.0, across * across - floor * floor)) + floor;
-    const double stretch = -std::log(1 - r * r);
-    found += own * stretch * std::log(a / b);
-    expected += stretch * stretch;
+RimStretch rim_stretch(View<const float> luminance, const Disc& circle, double noise) {
+  constexpr double kFirst = 0.4, kLast = 0.985, kStep = 0.02;
+  constexpr double kLeastPattern = 0.05, kDarkest = 1e-4;
+  constexpr double kReference = 2;  // ln of a sphere's lengthening
+  // The mean size of noise's changes: bilinear readings have two thirds of a pixel's noise.
+  const double floor = 0.8 * noise * 0.67 * std::sqrt(2.0);
+  Line lengthenings, changes;
+  int rings = 0;
+  for (double r = kFirst; r < kLast && (1 - r) * circle.r >= kFromRim; r += kStep) {
+    const Ring ring = ring_at(luminance, circle, r);
+    if (!ring.seen) continue;
+    ++rings;
+    const double across = without_noise(ring.across, floor);
+    const double weight = std::pow(across / std::max(ring.across, 1e-30), 2);
+    if (weight < kLeastPattern) continue;
+    const double expected = -std::log(1 - r * r);
+    lengthenings.add(weight, expected, lengthening(ring, across, floor));
+    changes.add(weight, expected, std::log(std::max(kDarkest, without_noise(ring.along[kStepAcross], floor))));
   }
-  return expected > 0 ? found / expected : 0;
+  if (rings == 0) return {};
+  return {lengthenings.at(kReference) / kReference, lengthenings.at(0), -changes.slope(),
+          lengthenings.weight() / rings};
+}
+
+bool is_mirrored(const RimStretch& rim) {
+  // Measured on simulated balls in real places and on other round things.
+  constexpr double kLeastMirrored = 0.74, kMostStretch = 1.5, kLeastPatterned = 0.85;
+  constexpr double kMostInMiddle = 1, kLeastSpread = -0.35, kMostSpread = 0.9;
+  return rim.patterned >= kLeastPatterned && rim.mirrored() >= kLeastMirrored && rim.stretch <= kMostStretch &&
+         std::abs(rim.in_middle) <= kMostInMiddle && rim.spread >= kLeastSpread && rim.spread <= kMostSpread;
 }
 
 }  // namespace hdr::internal
