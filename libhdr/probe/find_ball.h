@@ -25,7 +25,8 @@ struct FindBallOptions {
 /// known field it is taken for one where that has clearly more evidence. Where no outline has that evidence, as under
 /// blur and compression, a circle that nearly fills the frame and along which edges run is taken, to some per cent;
 /// nullopt where there is none. A circle that holds no sphere's reflection (probe/internal/rim_stretch.h), as lamps,
-/// plates, clocks, flat mirrors and painted balls do not, is no ball; a sign's few bars may still be taken for one.
+/// plates, clocks, flat mirrors and painted balls do not, is no ball; now and then a painted ball or a sign's few bars
+/// are taken for one.
 /// Where a plain wall meets its own reflection the outline cannot be seen, and it is less sure than residual_px says.
 std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options = {});
 

@@ -281,11 +281,10 @@ void measure_camera(const CameraKind& kind, const std::string& format, std::uint
   const Image<float> ghosts = merge(moving, alignment, calibration.response, options).map.rgb.clone();
   options.deghost = true;
   const Merged clean = merge(moving, alignment, calibration.response, options);
-  const double noise = p99_of_closest(plain, moments);
+  const double noise = p99_of_closest(plain, moments), left = p99_of_closest(clean.map.rgb, moments);
   fmt::print("{:<24} {} {:>4}  {:7.3f} % {:7.3f} %   {:6.4f}  {:6.4f}  {:6.4f}  {:5.2f}  {:5.1f} %\n", kind.name,
-             format, seed, 100 * share.touched, 100 * share.beyond_sigma, noise, p99_of_closest(ghosts, moments),
-             p99_of_closest(clean.map.rgb, moments), p99_of_closest(clean.map.rgb, moments) / noise,
-             100 * clean.ghosts.share);
+             format, seed, 100 * share.touched, 100 * share.beyond_sigma, noise, p99_of_closest(ghosts, moments), left,
+             left / noise, 100 * clean.ghosts.share);
   std::fflush(stdout);
   if (pictures.empty()) return;
   std::filesystem::create_directories(pictures);
