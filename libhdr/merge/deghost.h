@@ -5,8 +5,9 @@
 // registration and response leave wrong [Granados13]. Cells that disagree, strongly somewhere and traceably around it
 // [Canny86], join to regions. In each region one shot is the reference: the one whose largest set of shots that agree
 // with it, one after the other by distance in exposure, measures the region best, clipped and black cells counting for
-// nothing [Gallo09]. Another shot is left out where it disagrees with the reference or with one that agrees, as a whole
-// piece, and fades out over the cells around it, where all agree. Elsewhere not a byte of the map changes.
+// nothing [Gallo09]. Another shot is left out where it disagrees with the reference or with one that agrees, or shows
+// another texture than these, as a whole piece, and fades out over the cells around it, where all agree. Elsewhere not
+// a byte of the map changes.
 #include <cstdint>
 #include <vector>
 

@@ -141,7 +141,8 @@ void PairAgreement::differences(std::size_t cell, Difference* out) const {
     // If both show one thing, it is closer to what the less doubtful one says.
     const float trust_a = 1 / square(doubt_a[c]), trust_b = 1 / square(doubt_b[c]);
     const float radiance = (trust_a * light.a[c] + trust_b * light.b[c]) / (trust_a + trust_b);
-    d.other = (square(doubt_a[c]) + square(doubt_b[c])) * square(radiance) + square(registration_ * range);
+    d.shift = square(registration_ * range);
+    d.other = (square(doubt_a[c]) + square(doubt_b[c])) * square(radiance) + d.shift;
     if (flags_a & (CellPicture::kBlack << c)) d.other += square(channel.black_bound * per_a);
     if (flags_b & (CellPicture::kBlack << c)) d.other += square(channel.black_bound * per_b);
     const float scale = misfit_[c].scale(a_.colour[cell], b_.colour[cell]);

@@ -45,13 +45,14 @@ class Planner {
     plan.grid = grid_;
     plan.trust.resize(shots_.size());
     const std::vector<std::uint8_t> evidence = disagreement();
-    const int gap = std::max(kGap, std::max(grid_.cells.width, grid_.cells.height) / kNear);
-    const CellMask moved = filled(closed(hysteresis(evidence, evidence, grid_.cells, kLow, kHigh, kSeeds), gap));
+    const CellMask moved = filled(closed(hysteresis(evidence, evidence, grid_.cells, kLow, kHigh, kSeeds), gap()));
     for (const std::vector<int>& piece : pieces(moved)) judge(piece, plan);
     return plan;
   }
 
  private:
+  int gap() const { return std::max(kGap, std::max(grid_.cells.width, grid_.cells.height) / kNear); }
+
   /// Pairs j < k with k - j up to `distance`, their medians found.
   std::vector<std::size_t> pairs_within(std::size_t distance) {
     std::vector<std::size_t> indices, first, second;
@@ -102,6 +103,7 @@ class Planner {
       const std::size_t index = compared[static_cast<std::size_t>(first)];
       region.pairs[index].resize(box.count());
       pairs_[index]->raise(box, region.pairs[index]);
+      pairs_[index]->raise_by_texture(box, kHighInside, region.pairs[index]);
     });
     return region;
   }
@@ -218,11 +220,26 @@ class Planner {
         if (j != k && agrees(region, j, kept, at)) reach[at] = std::max(reach[at], region.pairs[pair_of(k, j)][at]);
       }
     }
-    CellMask mask = filled(closed(hysteresis(reach, evidence, size, kLow, kHighInside, kSeedsInside), kGap));
+    CellMask mask = hysteresis(reach, evidence, size, kLow, kHighInside, kSeedsInside);
+    // Where shot k itself is clipped or black it says next to nothing, and what shows between may be specks of another
+    // moment, too small to tell. Between pieces that are left out all of that goes.
+    const auto mute = [&](int cell) {
+      return measured.set[static_cast<std::size_t>(cell)] && worth(k, cell_of(region.box, cell)) == 0;
+    };
+    const CellMask near = closed(mask, gap());
+    for (const int cell : region.cells) {
+      const auto at = static_cast<std::size_t>(cell);
+      mask.set[at] |= near.set[at] && mute(cell);
+    }
+    mask = filled(closed(mask, kGap));
     // A shot that disagrees with most of a region shows something else there: no half of it is kept.
-    std::size_t count = 0;
-    for (const int cell : region.cells) count += mask.set[static_cast<std::size_t>(cell)];
-    if (4 * count > 3 * region.cells.size()) {
+    std::size_t count = 0, of = 0;
+    for (const int cell : region.cells) {
+      if (mute(cell)) continue;
+      count += mask.set[static_cast<std::size_t>(cell)];
+      ++of;
+    }
+    if (4 * count > 3 * of) {
       for (const int cell : region.cells) mask.set[static_cast<std::size_t>(cell)] = 1;
     }
     return mask;
@@ -315,61 +332,6 @@ class Planner {
 };
 
 }  // namespace
-
-bool GhostPlan::trust_row(std::size_t source, int y, float* out) const {
-  const std::vector<std::uint8_t>& cells = trust[source];
-  if (cells.empty()) return false;
-  const int columns = grid.cells.width, rows = grid.cells.height;
-  const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(grid.side) - 0.5f;
-  const int top = std::clamp(static_cast<int>(std::floor(v)), 0, rows - 1), bottom = std::min(top + 1, rows - 1);
-  const float t = std::clamp(v - static_cast<float>(top), 0.0f, 1.0f);
-  const std::uint8_t *above = cells.data() + static_cast<std::ptrdiff_t>(top) * columns,
-                     *below = cells.data() + static_cast<std::ptrdiff_t>(bottom) * columns;
-  const auto full = [&](const std::uint8_t* row) {
-    return std::all_of(row, row + columns, [](std::uint8_t value) { return value == 255; });
-  };
-  if (full(above) && full(below)) return false;
-  for (int x = 0; x < grid.size.width; ++x) {
-    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(grid.side) - 0.5f;
-    const int left = std::clamp(static_cast<int>(std::floor(u)), 0, columns - 1),
-              right = std::min(left + 1, columns - 1);
-    const float s = std::clamp(u - static_cast<float>(left), 0.0f, 1.0f);
-    const auto between = [&](const std::uint8_t* row) {
-      const auto a = static_cast<float>(row[left]), b = static_cast<float>(row[right]);
-      return a + (b - a) * s;  // exactly a where both are
-    };
-    const float a = between(above), b = between(below);
-    out[x] = (a + (b - a) * t) / 255;
-  }
-  return true;
-}
-
-Ghosts GhostPlan::summary(const std::vector<std::size_t>& shots) const {
-  Ghosts ghosts;
-  ghosts.regions = regions;
-  if (regions.empty()) return ghosts;
-  const auto shot_of = [&](int source) { return static_cast<int>(shots[static_cast<std::size_t>(source)]); };
-  for (GhostRegion& region : ghosts.regions) {
-    region.reference = shot_of(region.reference);
-    for (int& source : region.left_out) source = shot_of(source);
-  }
-  ghosts.mask = Image<std::uint8_t>(grid.size, 1);
-  std::vector<float> row(static_cast<std::size_t>(grid.size.width));
-  std::int64_t touched = 0;
-  for (int y = 0; y < grid.size.height; ++y) {
-    std::uint8_t* mask = ghosts.mask.row(y);
-    for (std::size_t k = 0; k < trust.size(); ++k) {
-      if (!trust_row(k, y, row.data())) continue;
-      for (int x = 0; x < grid.size.width; ++x) {
-        const auto doubt = static_cast<std::uint8_t>(std::lround(255 * (1 - row[static_cast<std::size_t>(x)])));
-        mask[x] = std::max(mask[x], doubt);
-      }
-    }
-    touched += std::count_if(mask, mask + grid.size.width, [](std::uint8_t value) { return value > 0; });
-  }
-  ghosts.share = static_cast<double>(touched) / (static_cast<double>(grid.size.width) * grid.size.height);
-  return ghosts;
-}
 
 GhostPlan plan_ghosts(const CellGrid& grid, const MergeModel& model, const std::vector<CellShot>& shots) {
   if (shots.size() < 2) return {grid, std::vector<std::vector<std::uint8_t>>(shots.size()), {}};

@@ -55,10 +55,14 @@ class PairAgreement {
   void raise(const CellBox& box, std::vector<std::uint8_t>& out) const;
   static constexpr float kUnit = 16;
 
+  /// Raises to `value` where the cells around have texture in both shots, and not the same.
+  void raise_by_texture(const CellBox& box, std::uint8_t value, std::vector<std::uint8_t>& out) const;
+
  private:
   struct Rows;
   struct Difference {
     float value = 0, noise = 0, other = 0;  ///< and variances
+    float shift = 0;                        ///< what the registration may have wrong, a part of `other`
   };
   std::array<float, 3> doubt_at(const std::array<float, 3>& level) const;
   std::array<float, 3> doubts(const CellShot& shot, const CellShot& other, const std::array<float, 3>& factor,

@@ -168,6 +168,21 @@ TEST(Deghost, ADarkThingTakesNoShotThatShowsWhatIsBehindIt) {
   }
 }
 
+// 6 times the still bracket's when two places of one thing passed for the same, as bright and of one colour.
+TEST(Deghost, AThingThatOverlapsItselfShowsTheTextureOfOneMoment) {
+  test::MoverPlan plan;
+  plan.size = {600, 400};
+  plan.object = 0.35;
+  plan.object_stops = 1;
+  plan.step = 0.05;
+  const test::MovingScene scene = test::moving_scene(plan);
+  const auto p99 = [&](const Merged& map) {
+    return test::error_quantile(test::closest_errors(map.map.rgb, scene, plan), 0.99);
+  };
+  const double still = p99(merged(scene.still, scene, plan, false));
+  EXPECT_LT(p99(merged(scene.moving, scene, plan, true)), 1.6 * still);
+}
+
 TEST(Deghost, TheBytesDoNotDependOnThreads) {
   const test::MoverPlan plan = random_plan(33);
   const test::MovingScene scene = test::moving_scene(plan);
