@@ -10,8 +10,9 @@
 #include "libhdr/core/error.h"
 
 // Debian's oneTBB is not built for the thread sanitizer, which then does not see that work starts after for_rows is
-// called and ends before it returns. These two calls tell it; a race between the bodies themselves is still one.
-#ifdef __SANITIZE_THREAD__
+// called and ends before it returns. These two calls tell it; a race between the bodies themselves is still one. This
+// file alone is not watched: oneTBB's headers share what only oneTBB's library hands over.
+#ifdef HDR_TELL_TSAN
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
 #else
