@@ -98,6 +98,29 @@ void of_alignment(Bench& bench, const Photographed& still) {
       [&] { return merged(still.bracket, moved, response, false); });
 }
 
+/// Where the corners of each shot lie in the reference, pixels.
+Image<float> corners(const Alignment& alignment, Size size) {
+  Image<float> at(4, static_cast<int>(alignment.frames.size()), 3);
+  for (int k = 0; k < at.height(); ++k) {
+    for (int corner = 0; corner < 4; ++corner) {
+      const Vec3 there = alignment.frames[static_cast<std::size_t>(k)].ref_from_photo *
+                         Vec3(corner % 2 ? size.width : 0, corner / 2 ? size.height : 0, 1);
+      for (int c = 0; c < 3; ++c) at(corner, k, c) = static_cast<float>(there[c] / there[2]);
+    }
+  }
+  return at;
+}
+
+void of_search(Bench& bench, const Photographed& still) {
+  const Size size = still.bracket.size();
+  const auto found = [&](AlignMethod method) {
+    return corners(align(still.bracket, still.truth.response, method), size);
+  };
+  pair(
+      bench, {"searching for motion (all done: by ECC)", "a bracket on a tripod", 0.05}, size,
+      [&] { return found(AlignMethod::kAuto); }, [&] { return found(AlignMethod::kEcc); });
+}
+
 void of_tiles(Bench& bench, const Photographed& jpegs, const Photographed& pngs) {
   for (const auto& [made, weight, what] : {std::tuple(&jpegs, WeightKind::kHat, "JPEGs of 16 stops"),
                                            std::tuple(&pngs, WeightKind::kVariance, "PNGs of 16 stops")}) {
@@ -197,6 +220,7 @@ void skips_suite(Bench& bench) {
   const Size size = bench.pick(Size{600, 400}, Size{4000, 2667});
   const Photographed jpegs = photographed(plan_of(size, "jpg")), pngs = photographed(plan_of(size, "png"));
   const auto part = [&](const char* stage, const std::function<void()>& work) { bench.attempt("skips", stage, work); };
+  part("searching", [&] { of_search(bench, jpegs); });
   part("resampling", [&] { of_alignment(bench, jpegs); });
   part("tiles", [&] { of_tiles(bench, jpegs, pngs); });
   part("ghosts", [&] { of_ghosts(bench, pngs); });
