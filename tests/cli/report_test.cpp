@@ -29,8 +29,9 @@ TEST_F(Report, OfEveryVerbHasItsSections) {
   answer_of({"calibrate", at("shots"), "-o", at("r.json"), "--report", at("calibrate.html")});
   expect_page("calibrate.html", {"response", "exposures", "alignment", "time"});
   answer_of({"probe", at("shots"), "-o", at("probe.exr"), "--width", "128", "--report", at("probe.html")});
-  expect_page("probe.html", {"probe", "map", "coverage", "shots", "alignment", "response", "exposures", "time"});
+  expect_page("probe.html", {"probe", "ball", "map", "coverage", "shots", "alignment", "response", "exposures", "time"});
   EXPECT_NE(bytes_of(at("probe.html")).find("<circle class=\"c1\""), std::string::npos) << "the ball";
+  EXPECT_NE(bytes_of(at("probe.html")).find("degrees off"), std::string::npos) << "what its distance leaves in doubt";
   const Json render = answer_of({"render", "--probe", at("probe.exr"), "-o", at("render.exr"), "--size", "64x48",
                                  "--samples", "8", "--report", at("render.html")});
   expect_page("render.html", {"picture-section", "error-section", "time"});

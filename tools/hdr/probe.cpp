@@ -18,6 +18,7 @@ void write_report(const ReportFlag& flag, const Run& run, const MergeInputs& inp
                                              probe.size().width, probe.size().height));
   add_warnings(page, run);
   add_probe(page, probe);
+  add_ball(page, run.answer);
   add_merge(page, run, inputs, merged, digest, drawing_of_ball(run.answer));
   add_stages(page, run);
   page.write(flag.path);

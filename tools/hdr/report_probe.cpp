@@ -52,6 +52,31 @@ void add_probe(report::Page& page, const RadianceMap& probe) {
            "its roughness. Right: a mirror, which shows the others too. No shadows between them.</p>\n"});
 }
 
+void add_ball(report::Page& page, const Json& answer) {
+  if (!answer.contains("ball")) return;
+  const Json& ball = answer["ball"];
+  const auto pixels = [](const Json& value) { return fmt::format("{:.2f}", value.get<double>()); };
+  report::Facts facts;
+  facts.add("centre, px", pixels(ball["cx"]) + ", " + pixels(ball["cy"]));
+  facts.add("radius, px", pixels(ball["r"]));
+  facts.add("camera", ball["distance"].is_null()
+                          ? "taken for far"
+                          : report::number(ball["distance"].get<double>()) + " radii from the centre");
+  if (answer.contains("ball_residual_px")) {
+    facts.add("outline's own scatter, px", report::number(answer["ball_residual_px"].get<double>(), 2));
+    facts.add("of the rim that speaks for it", report::number(100 * answer["ball_support"].get<double>(), 2) + " %");
+  }
+  std::string what;
+  if (ball.contains("direction_doubt_degrees")) {
+    const double doubt = ball["direction_doubt_degrees"];
+    facts.add("directions", fmt::format("up to {:.1f} degrees off", doubt));
+    what = report::element("p",
+                           "The picture does not tell how far away the camera was. Were it at 5 radii, directions near "
+                           "the rim would be off by that much; --distance or --camera-fov settle it.");
+  }
+  page.add({"ball", "The mirror ball", facts.html() + what});
+}
+
 std::string drawing_of_ball(const Json& answer) {
   if (!answer.contains("ball")) return {};
   const double cx = answer["ball"]["cx"], cy = answer["ball"]["cy"], r = answer["ball"]["r"];
