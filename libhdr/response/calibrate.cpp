@@ -320,8 +320,13 @@ Calibration calibrate(CalibrateMethod method, const Bracket& bracket, const std:
 
 Response provisional_response(const Bracket& bracket) {
   check_exposures(bracket);
-  Calibration unused;
-  return interim_response(pose(match_quantiles(bracket), bracket, kStiff, false, unused), bracket);
+  Observations seen = match_quantiles(bracket);
+  check_coverage(seen, bracket);
+  check_brightening(seen, bracket);
+  // Quantiles are of all pixels: none of them is an outlier, and no robust fit has to find any.
+  const CodeWeights hat = CodeWeights::hat(seen.bits);
+  const Knots knots(seen.bits);
+  return interim_response({std::move(seen), {hat, hat, hat}, knots, {kStiff, INFINITY}, {}}, bracket);
 }
 
 }  // namespace hdr
