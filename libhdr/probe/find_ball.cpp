@@ -141,7 +141,8 @@ class Placing {
     const double elongation = longer.outline.major - longer.outline.minor;
     const double gain = longer.evidence * longer.radii - round.evidence * round.radii;
     const bool possible = elongation > 0 && elongation <= most_elongation(guess) && far_enough(longer.outline);
-    return possible && gain > kLeastGain ? longer : round;
+    const bool plain = gain > kLeastGain || (elongation >= kPlainElongation && scatters_less(longer, round, elongation));
+    return possible && plain ? longer : round;
   }
 
  private:
@@ -160,7 +161,15 @@ class Placing {
   // In ln likelihood over all radii, of which some thirty are independent. Of nine balls near the middle two true
   // ellipses had 308 and 367, seven false ones 50 to 112.
   static constexpr double kLeastGain = 150;
+  static constexpr double kPlainElongation = 0.75;  ///< pixels; of 150 balls few far ones seemed to have more
   static constexpr double kNearest = 3;  ///< radii: nearer than that nobody photographs a ball
+
+  /// Around a circle the radii of an ellipse have their own best places at e/2 cos 2t, which is gone around the ellipse:
+  /// evidence, bounded a radius, may not see what so many agree on.
+  static bool scatters_less(const OutlineFit& longer, const OutlineFit& round, double elongation) {
+    const double expected = elongation * elongation / 8, had = round.residual_px * round.residual_px;
+    return had - longer.residual_px * longer.residual_px >= 0.5 * expected;
+  }
 
   /// Half a pixel of elongation near the middle may be an error, and would put the camera beside the ball.
   bool far_enough(const Ellipse& outline) const {
