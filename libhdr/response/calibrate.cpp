@@ -321,7 +321,7 @@ Calibration calibrate(CalibrateMethod method, const Bracket& bracket, const std:
 Response provisional_response(const Bracket& bracket) {
   check_exposures(bracket);
   Observations seen = match_quantiles(bracket);
-  check_coverage(seen, bracket);
+  check_coverage(seen, bracket);  // channels that tell nothing are dropped; the calibration warns of them
   check_brightening(seen, bracket);
   // Quantiles are of all pixels: none of them is an outlier, and no robust fit has to find any.
   const CodeWeights hat = CodeWeights::hat(seen.bits);
