@@ -23,4 +23,10 @@ MapScale read_map_scale(const Path& path) {
   return scale;
 }
 
+std::optional<double> read_camera_fov(const Path& path) {
+  const OIIO::ImageSpec spec = internal::open_picture(path)->spec();
+  const auto degrees = positive(std::strtod(spec.get_string_attribute("hdr:camera_fov").c_str(), nullptr));
+  return degrees && *degrees < 180 ? degrees : std::nullopt;
+}
+
 }  // namespace hdr

@@ -17,4 +17,8 @@ struct MapScale {
 /// From the header of `path`; no pixel is decoded. Throws Error when it is not a picture.
 MapScale read_map_scale(const Path& path);
 
+/// The horizontal field, degrees, of the camera whose photographs were merged to a map: hdr:camera_fov. Throws as
+/// above.
+std::optional<double> read_camera_fov(const Path& path);
+
 }  // namespace hdr

@@ -37,7 +37,8 @@ struct PhotoHeader {
   int bits = 8;
   bool lossy = false;
   Exposure exposure;
-  std::optional<double> fov_degrees{};  ///< horizontal, upright, from EXIF's FocalLengthIn35mmFilm where it says one
+  std::optional<double> fov_degrees{};  ///< horizontal, upright, from EXIF's focal length where it says one
+  bool fov_by_sensor = false;  ///< from the size of the sensor's pixels: it holds for what was cut out of a frame, too
 };
 PhotoHeader read_photo_header(const Path& path);
 

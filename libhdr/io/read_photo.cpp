@@ -45,7 +45,10 @@ PhotoHeader decode_photo_header(const Path& path) {
   const auto input = open_picture(path);
   const OIIO::ImageSpec& spec = input->spec();
   PhotoHeader header{path, upright_size(spec), bits_of(spec, path), is_lossy(*input), exposure_from_exif(*input, path)};
-  header.fov_degrees = fov_from_exif(*input, header.size);
+  if (const auto field = field_from_exif(*input, header.size)) {
+    header.fov_degrees = field->degrees;
+    header.fov_by_sensor = field->by_sensor;
+  }
   return header;
 }
 

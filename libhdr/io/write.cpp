@@ -68,7 +68,7 @@ void write_picture(const Path& path, View<const std::uint8_t> codes) {
   out.commit();
 }
 
-void write_photo(const Path& path, const Photo& photo, int jpeg_quality) {
+void write_photo(const Path& path, const Photo& photo, int jpeg_quality, std::optional<double> fov_degrees) {
   const std::string extension = extension_of(path);
   if (!is_jpeg(extension) && extension != ".png" && !is_tiff(extension)) {
     throw Error(fmt::format("{}: cannot be written: '{}' is not a photograph's extension; write .jpg, .png or .tif",
@@ -84,7 +84,9 @@ void write_photo(const Path& path, const Photo& photo, int jpeg_quality) {
     write_pixels(out.temporary(), path, spec, codes.view());
   };
   std::visit(write_codes, LoadedShot(photo)->codes);
-  internal::embed_exposure(out.temporary(), photo.exposure);
+  std::optional<internal::Lens> lens;
+  if (fov_degrees) lens = {*fov_degrees, photo.size()};
+  internal::embed_exif(out.temporary(), photo.exposure, lens);
   out.commit();
 }
 

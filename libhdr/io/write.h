@@ -55,8 +55,9 @@ std::unique_ptr<MapWriter> open_map_rows(const Path& path, const MapHeader& head
 void write_picture(const Path& path, View<const std::uint8_t> codes);
 
 /// A photograph's codes with its exposure in EXIF (ExposureTime, FNumber, ISO): JPEG (quality, 4:2:0 as cameras
-/// write), PNG 8/16 or TIFF 8/16.
-void write_photo(const Path& path, const Photo& photo, int jpeg_quality = 95);
+/// write), PNG 8/16 or TIFF 8/16. `fov_degrees`: the lens's horizontal field, between 0 and 180, written as FocalLength
+/// on a sensor 36 mm wide.
+void write_photo(const Path& path, const Photo& photo, int jpeg_quality = 95, std::optional<double> fov_degrees = {});
 
 /// A camera's own JPEG, its picture not compressed again: without padding, with Huffman tables where the stream left
 /// them out, and with `exposure` in place of its EXIF. Throws Error when it is no whole JPEG.

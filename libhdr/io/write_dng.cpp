@@ -88,7 +88,7 @@ void write_dng(const Path& path, const Mosaic& mosaic, const std::string& camera
     }
     if (TIFFFlush(tiff.get()) != 1) internal::throw_unwritable(path, "the pixels did not fit");
   }
-  internal::embed_exposure(out.temporary(), mosaic.exposure);
+  internal::embed_exif(out.temporary(), mosaic.exposure);
   out.commit();
 }
 

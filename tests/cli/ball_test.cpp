@@ -43,7 +43,7 @@ TEST_F(Ball, BesideTheMiddleTheCamerasFieldGivesTheTrueRays) {
   EXPECT_GT(p99_from_world("far.exr"), 1.3 * p99_from_world("probe.exr")) << "a far camera's rays are others";
 }
 
-/// Puts FocalLengthIn35mmFilm in the place of the ISO among a JPEG's EXIF.
+/// Puts FocalLengthIn35mmFilm in the place of the ISO among a JPEG's EXIF, and says no other focal length.
 void set_focal_length(const std::filesystem::path& photo, int millimetres) {
   std::string bytes = bytes_of(photo);
   const std::string iso("\x27\x88\x03\0\x01\0\0\0", 8), focal("\x05\xa4\x03\0\x01\0\0\0", 8);
@@ -52,6 +52,8 @@ void set_focal_length(const std::filesystem::path& photo, int millimetres) {
   bytes.replace(at, 8, focal);
   bytes[at + 8] = static_cast<char>(millimetres & 0xff);
   bytes[at + 9] = static_cast<char>(millimetres >> 8);
+  const std::string focal_length("\x0a\x92\x05\0\x01\0\0\0", 8);
+  if (const auto found = bytes.find(focal_length); found != std::string::npos) bytes[found + 1] = '\x91';
   std::ofstream(photo, std::ios::binary) << bytes;
 }
 
@@ -84,6 +86,25 @@ TEST_F(Ball, ExifsFieldGivesTheDistanceToWholeFramesAlone) {
   shoot("crop", "480x472");
   set_focal_length(scratch_ / "crop" / "shot_00.jpg", 28);
   EXPECT_TRUE(unwrapped("crop", "240,236,150")["ball"]["distance"].is_null()) << "a crop keeps the whole frame's tag";
+}
+
+TEST_F(Ball, ACamerasLensIsKnownToItsPhotographsAndToWhatIsMergedFromThem) {
+  for (const std::string format : {"jpg", "png", "tif"}) {
+    answer_of({"simulate", world(), "-o", at("shots"), "--ball", "--size", "500x420", "--times", "1/250,1/60,1/15",
+               "--format", format, "--distance", "6", "--ball-radius", "150"});
+    const auto distance_of = [&](const std::string& picture) {
+      return answer_of({"unwrap", at(picture), "-o", at("x.exr"), "--from", "mirror-ball", "--width", "64", "--ball",
+                        "250,210,150"})["ball"]["distance"];
+    };
+    EXPECT_NEAR(distance_of("shots/shot_01." + format).get<double>(), 6, 1e-3) << format;
+    answer_of({"merge", at("shots"), "-o", at("map.exr"), "--align", "none"});
+    EXPECT_NEAR(distance_of("map.exr").get<double>(), 6, 1e-3) << format;
+  }
+  answer_of({"simulate", world(), "-o", at("far"), "--ball", "--size", "500x420", "--times", "1/60"});
+  EXPECT_TRUE(answer_of({"unwrap", at("far/shot_00.jpg"), "-o", at("x.exr"), "--from", "mirror-ball", "--width", "64",
+                         "--ball", "250,210,168"})["ball"]["distance"]
+                  .is_null())
+      << "no lens sees a ball from infinitely far";
 }
 
 TEST_F(Ball, ReflectanceIsDividedOut) {

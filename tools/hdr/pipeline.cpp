@@ -10,6 +10,7 @@
 #include "libhdr/io/output_file.h"
 #include "libhdr/io/write.h"
 #include "libhdr/response/response_file.h"
+#include "tools/hdr/camera_field.h"
 #include "tools/hdr/flat_field.h"
 #include "tools/hdr/map_digest.h"
 #include "tools/hdr/scale_step.h"
@@ -237,7 +238,7 @@ Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, co
                      MapSink* digest) {
   if (!inputs.scale.patch.empty()) {  // measured in the map, and said in its header: the map comes first
     Merged merged = merge_shots(run, inputs, digest);
-    run.stage("write", [&] { write_map(output, merged.map, provenance_of(run, inputs), options); });
+    run.stage("write", [&] { write_map(output, merged.map, provenance_of_map(run, inputs), options); });
     return merged;
   }
   double write_seconds = 0, write_cpu_seconds = 0;
@@ -251,7 +252,7 @@ Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, co
   static_cast<MergeSummary&>(merged) = run.stage("merge", [&] {
     const bool uncertainty = inputs.options.uncertainty;
     const MapHeader header{inputs.bracket.size(), {}, inputs.white_luminance, {}, uncertainty, uncertainty};
-    const auto writer = open_map_rows(output, header, provenance_of(run, inputs), options);
+    const auto writer = open_map_rows(output, header, provenance_of_map(run, inputs), options);
     TimedSink timed_sink(*writer, timed);
     DigestingSink sink(digest, timed_sink, uncertainty);
     MergeOptions merge_options = inputs.options;
@@ -287,6 +288,15 @@ Provenance provenance_of(const Run& run, const MergeInputs& inputs) {
   provenance.add("exposures", exposures);
   provenance.add("exposure_terms", text_from_terms(exposure_terms(bracket)));
   provenance.add("exposure_unit", fmt::format("{}", inputs.options.exposure_unit.value()));
+  return provenance;
+}
+
+Provenance provenance_of_map(const Run& run, const MergeInputs& inputs) {
+  Provenance provenance = provenance_of(run, inputs);
+  const Photo& reference = inputs.bracket.shots.at(static_cast<std::size_t>(inputs.alignment.reference));
+  if (const auto fov = camera_field(reference.path.string(), reference.size())) {
+    provenance.add("camera_fov", fmt::format("{}", *fov));
+  }
   return provenance;
 }
 

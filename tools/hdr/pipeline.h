@@ -58,6 +58,8 @@ Merged merge_to_file(Run& run, const MergeInputs& inputs, const Path& output, co
 
 /// Version, options, shots with their exposures (names without folders).
 Provenance provenance_of(const Run& run, const MergeInputs& inputs);
+/// The same for the merged map itself, which is seen as its camera saw it: with that camera's field, where EXIF tells.
+Provenance provenance_of_map(const Run& run, const MergeInputs& inputs);
 Provenance provenance_of(const Run& run, const Path& input);
 
 /// Rows of the answer, in the order in which the user named the files.

@@ -58,7 +58,7 @@ std::function<int(Run&)> declare_probe(CLI::App& app) {
     run.stage("write", [&] {
       write_map(options->output, probe, provenance, options->write.options());
       if (!options->map_output.empty())
-        write_map(options->map_output, merged.map, provenance, options->write.options());
+        write_map(options->map_output, merged.map, provenance_of_map(run, inputs), options->write.options());
       if (!options->response_output.empty()) {
         write_text(options->response_output, text_from_response(inputs.response, options->response_output,
                                                                 inputs.fit ? inputs.fit->rms_log_error : 0));

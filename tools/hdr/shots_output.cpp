@@ -89,8 +89,9 @@ Path ShotsOutput::next(const std::string& extension, double seconds, const Row& 
   return hidden_ / name;
 }
 
-void ShotsOutput::write(const Photo& photo, const Row& row, const std::string& format, int jpeg_quality) {
-  write_photo(next(format, photo.exposure.seconds.value(), row), photo, jpeg_quality);
+void ShotsOutput::write(const Photo& photo, const Row& row, const std::string& format, int jpeg_quality,
+                        std::optional<double> fov_degrees) {
+  write_photo(next(format, photo.exposure.seconds.value(), row), photo, jpeg_quality, fov_degrees);
 }
 
 void ShotsOutput::write(const Frame& frame, const DevelopOptions& optics, const std::string& camera,

@@ -26,8 +26,9 @@ class ShotsOutput {
     Verified verified = Verified::kNone;
     std::uint32_t sequence = 0;
   };
-  /// Writes shot_NN.FORMAT.
-  void write(const Photo& photo, const Row& row, const std::string& format, int jpeg_quality);
+  /// Writes shot_NN.FORMAT. `fov_degrees`: the lens's horizontal field, for EXIF.
+  void write(const Photo& photo, const Row& row, const std::string& format, int jpeg_quality,
+             std::optional<double> fov_degrees = {});
   /// The same for a frame: "dng" keeps a sensor's codes, "jpg" a camera's own JPEG as it is, and "auto" chooses these
   /// where they apply, else PNG.
   void write(const Frame& frame, const DevelopOptions& optics, const std::string& camera, const std::string& format,

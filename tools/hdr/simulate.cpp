@@ -222,6 +222,9 @@ int simulate(Run& run, const Options& o) {
   sensor.sensitivity = metered_sensitivity(truth.rgb, middle, o.level);
   const double k = sensor.sensitivity * *middle.relative() / *middle.seconds;
 
+  // A camera writes its lens into EXIF. A ball seen from afar, all rays side by side, was photographed by none.
+  std::optional<double> fov = o.ball ? std::nullopt : o.fov;
+  if (ball && std::isfinite(ball->distance)) fov = fov_of_camera(*ball, size.width, 0);
   ShotsOutput output(o.output);
   Json transforms = Json::array(), nominal = Json::array();
   run.stage("shots", [&](const Progress& progress) {
@@ -233,7 +236,8 @@ int simulate(Run& run, const Options& o) {
       Photo photo = scene_from_photo.isIdentity(0) ? expose(truth.rgb, exposure, sensor, seed)
                                                    : expose(shake(truth.rgb, scene_from_photo), exposure, sensor, seed);
       photo.lossy = o.format == "jpg";
-      output.write(photo, {times[shot], Verified::kMetadata, static_cast<std::uint32_t>(shot)}, o.format, o.quality);
+      output.write(photo, {times[shot], Verified::kMetadata, static_cast<std::uint32_t>(shot)}, o.format, o.quality,
+                   fov);
       transforms.push_back(affine(scene_from_photo));
       nominal.push_back(nominal_time(times[shot]));
       progress.update(static_cast<double>(shot + 1) / static_cast<double>(times.size()));

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "libhdr/core/error.h"
+#include "libhdr/io/map_scale.h"
 #include "libhdr/io/read.h"
 #include "libhdr/probe/projection.h"
 #include "tools/hdr/pipeline.h"
@@ -80,6 +81,7 @@ StitchInput read_picture(Run& run, const std::string& name) {
     input.fov_degrees = camera->fov_degrees;
   }
   if (!is_photo_name(name)) {
+    if (!input.fov_degrees) input.fov_degrees = read_camera_fov(name);
     for (const std::string& warning : read.warnings) run.warn(warning);
     return input;
   }

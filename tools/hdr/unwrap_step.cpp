@@ -14,26 +14,10 @@
 #include "libhdr/probe/find_level.h"
 #include "libhdr/probe/reflectance.h"
 #include "libhdr/probe/unwrap.h"
+#include "tools/hdr/camera_field.h"
 
 namespace hdr::tools {
 namespace {
-
-/// The horizontal field that a photograph's EXIF gives, degrees. A crop around a ball keeps the tag of what it was cut
-/// from, and would put the camera beside the ball: only what has a whole frame's shape is believed.
-std::optional<double> field_in_exif(const std::string& source, Size size) {
-  constexpr double kSlack = 0.01;
-  if (!is_photo_name(source)) return std::nullopt;
-  try {
-    const PhotoHeader header = read_photo_header(source);
-    if (!(header.size == size)) return std::nullopt;
-    const double shape = static_cast<double>(std::max(size.width, size.height)) / std::min(size.width, size.height);
-    for (const double whole : {4.0 / 3, 3.0 / 2, 16.0 / 9}) {
-      if (std::abs(shape / whole - 1) < kSlack) return header.fov_degrees;
-    }
-  } catch (const Error&) {  // a radiance map in a TIFF has no camera
-  }
-  return std::nullopt;
-}
 
 /// What --ball says, or the search: with its distance where the picture, or the camera's field, tells.
 BallGeometry ball_outline(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
@@ -203,13 +187,14 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
   MirrorBall& ball = geometry.ball;
   if (known) ball = *known;
   if (!known || flags.ball != "auto") {
-    // EXIF's field is a whole number of millimetres: good for a distance, and told nowhere else.
+    // EXIF's field is often a whole number of millimetres: good for a distance, and told nowhere else.
     std::optional<double> camera_fov = flags.camera_fov;
     if (!camera_fov && !flags.distance && !known) {
-      camera_fov = field_in_exif(source, picture.size());
+      camera_fov = camera_field(source, picture.size());
       if (camera_fov)
-        run.say(fmt::format("{}: EXIF gives a field of {:.1f} degrees; --camera-fov or --distance overrules it", source,
-                            *camera_fov));
+        run.say(
+            fmt::format("{}: its camera's field is {:.1f} degrees, it says; --camera-fov or --distance overrules it",
+                        source, *camera_fov));
     }
     if (camera_fov) run.answer["camera_fov"] = *camera_fov;
     geometry = ball_outline(run, picture, flags, camera_fov, source);

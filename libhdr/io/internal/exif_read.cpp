@@ -16,6 +16,8 @@ std::optional<double> number(const OIIO::ImageSpec& spec, const char* name) {
   const OIIO::ParamValue* found = spec.find_attribute(name);
   if (!found) return std::nullopt;
   if (found->type() == OIIO::TypeDesc::FLOAT) return number_from_exif_float(found->get_float());
+  // get_float() knows the unsigned numbers of JPEG, but takes the signed ones of TIFF for 0; a rational is a pair.
+  if (found->type() == OIIO::TypeDesc::INT) return found->get_int();
   return static_cast<double>(found->get_float());
 }
 
@@ -126,11 +128,11 @@ std::optional<double> focal_px_on_film(const OIIO::ImageSpec& spec) {
 
 }  // namespace
 
-std::optional<double> fov_from_exif(const OIIO::ImageInput& input, Size size) {
-  auto focal_px = focal_px_on_film(input.spec());
-  if (!focal_px) focal_px = focal_px_on_sensor(input.spec());
+std::optional<ExifField> field_from_exif(const OIIO::ImageInput& input, Size size) {
+  const auto on_film = focal_px_on_film(input.spec());
+  const auto focal_px = on_film ? on_film : focal_px_on_sensor(input.spec());
   if (!focal_px) return std::nullopt;
-  return 360 / std::numbers::pi * std::atan(0.5 * size.width / *focal_px);
+  return ExifField{360 / std::numbers::pi * std::atan(0.5 * size.width / *focal_px), !on_film};
 }
 
 void require_usable_time(const Path& path, const Exposure& exposure) {

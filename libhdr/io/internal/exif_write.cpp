@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include "libhdr/core/error.h"
 #include "libhdr/io/internal/exif.h"
@@ -12,7 +14,9 @@ namespace {
 
 // EXIF is a TIFF structure (TIFF 6.0, section 2; EXIF 2.3, section 4.6), here always little endian.
 constexpr std::uint16_t kExifDirectory = 0x8769, kExposureTime = 0x829a, kFNumber = 0x829d, kIso = 0x8827;
-constexpr std::uint16_t kIsoSpeed = 0x8833;
+constexpr std::uint16_t kIsoSpeed = 0x8833, kFocalLength = 0x920a, kPixelXDimension = 0xa002, kPixelYDimension = 0xa003;
+constexpr std::uint16_t kFocalPlaneXResolution = 0xa20e, kFocalPlaneYResolution = 0xa20f;
+constexpr std::uint16_t kFocalPlaneResolutionUnit = 0xa210;
 constexpr std::uint16_t kShort = 3, kLong = 4, kRational = 5;
 constexpr std::size_t kEntryBytes = 12;
 
@@ -56,41 +60,61 @@ Rational rational_from(double value) {
   return {static_cast<std::uint32_t>(n1), static_cast<std::uint32_t>(std::max(d1, 1.0))};
 }
 
-/// The EXIF directory as it stands at offset `at` of its TIFF structure: count, entries, no next one, then rationals.
-std::string exif_directory(const Exposure& exposure, std::size_t at) {
-  const bool time = exposure.seconds.has_value(), aperture = exposure.f_number.has_value();
-  const bool iso = exposure.iso.has_value();
-  const auto iso_value =
-      static_cast<std::uint32_t>(std::clamp(std::round(exposure.iso.value_or(0)), 0.0, 4294967295.0));
-  const bool long_iso = iso_value >= 65535;
-  const std::size_t entries = std::size_t{time} + aperture + iso + long_iso;
-  auto rational_at = static_cast<std::uint32_t>(at + 2 + kEntryBytes * entries + 4);
+/// What goes into the EXIF directory, its tags rising.
+struct Field {
+  std::uint16_t tag, type;
+  double value;
+};
 
+std::vector<Field> fields_of(const Exposure& exposure, const std::optional<Lens>& lens) {
+  std::vector<Field> fields;
+  if (exposure.seconds) fields.push_back({kExposureTime, kRational, *exposure.seconds});
+  if (exposure.f_number) fields.push_back({kFNumber, kRational, *exposure.f_number});
+  if (exposure.iso) {
+    const double iso = std::clamp(std::round(*exposure.iso), 0.0, 4294967295.0);
+    fields.push_back({kIso, kShort, std::min(iso, 65535.0)});
+    if (iso >= 65535) fields.push_back({kIsoSpeed, kLong, iso});
+  }
+  if (!lens) return fields;
+  constexpr double kSensorCm = 3.6;
+  const double focal_mm = 5 * kSensorCm / std::tan(lens->fov_degrees * std::numbers::pi / 360);
+  fields.push_back({kFocalLength, kRational, focal_mm});
+  fields.push_back({kPixelXDimension, kLong, static_cast<double>(lens->size.width)});
+  fields.push_back({kPixelYDimension, kLong, static_cast<double>(lens->size.height)});
+  fields.push_back({kFocalPlaneXResolution, kRational, lens->size.width / kSensorCm});
+  fields.push_back({kFocalPlaneYResolution, kRational, lens->size.width / kSensorCm});
+  fields.push_back({kFocalPlaneResolutionUnit, kShort, 3});
+  return fields;
+}
+
+/// The EXIF directory as it stands at offset `at` of its TIFF structure: count, entries, no next one, then rationals.
+std::string exif_directory(const std::vector<Field>& fields, std::size_t at) {
+  const auto rational_at = static_cast<std::uint32_t>(at + 2 + kEntryBytes * fields.size() + 4);
   std::string out, rationals;
-  const auto put_rational = [&](std::uint16_t tag, double value) {
-    put_entry(out, tag, kRational, rational_at + static_cast<std::uint32_t>(rationals.size()));
-    const Rational r = rational_from(value);
+  put(out, fields.size(), 2);
+  for (const Field& field : fields) {
+    if (field.type != kRational) {
+      put_entry(out, field.tag, field.type, static_cast<std::uint32_t>(field.value));
+      continue;
+    }
+    put_entry(out, field.tag, kRational, rational_at + static_cast<std::uint32_t>(rationals.size()));
+    const Rational r = rational_from(field.value);
     put(rationals, r.numerator, 4);
     put(rationals, r.denominator, 4);
-  };
-  put(out, entries, 2);
-  if (time) put_rational(kExposureTime, *exposure.seconds);
-  if (aperture) put_rational(kFNumber, *exposure.f_number);
-  if (iso) put_entry(out, kIso, kShort, std::min(iso_value, 65535u));
-  if (long_iso) put_entry(out, kIsoSpeed, kLong, iso_value);
+  }
   put(out, 0, 4);
   return out + rationals;
 }
 
 /// A TIFF structure that holds nothing but a directory with one entry: where the EXIF directory is.
-std::string exif_block(const Exposure& exposure) {
+std::string exif_block(const std::vector<Field>& fields) {
   std::string out("II*\0", 4);
   constexpr std::size_t kFirst = 8, kExif = kFirst + 2 + kEntryBytes + 4;
   put(out, kFirst, 4);
   put(out, 1, 2);
   put_entry(out, kExifDirectory, kLong, kExif);
   put(out, 0, 4);
-  return out + exif_directory(exposure, kExif);
+  return out + exif_directory(fields, kExif);
 }
 
 /// PNG: CRC-32 of the chunk's type and data (PNG 1.2, annex D).
@@ -104,9 +128,9 @@ std::uint32_t crc32(const std::string& bytes) {
 }
 
 /// PNG: an eXIf chunk after IHDR, which is always the first and ends at byte 33.
-std::string with_exif_chunk(const std::string& png, const Exposure& exposure) {
+std::string with_exif_chunk(const std::string& png, const std::vector<Field>& fields) {
   constexpr std::size_t kAfterHeader = 33;
-  const std::string body = exif_block(exposure), typed = "eXIf" + body;
+  const std::string body = exif_block(fields), typed = "eXIf" + body;
   std::string chunk;
   put_big_endian(chunk, static_cast<std::uint32_t>(body.size()), 4);
   chunk += typed;
@@ -115,7 +139,7 @@ std::string with_exif_chunk(const std::string& png, const Exposure& exposure) {
 }
 
 /// TIFF: the first directory is written anew at the end with one entry more, then the EXIF directory it points to.
-std::string with_exif_directory(std::string tiff, const Exposure& exposure) {
+std::string with_exif_directory(std::string tiff, const std::vector<Field>& fields) {
   if (tiff.size() % 2) tiff.push_back('\0');
   const std::size_t old_at = get(tiff, 4, 4), count = get(tiff, old_at, 2), new_at = tiff.size();
   const std::size_t exif_at = new_at + 2 + kEntryBytes * (count + 1) + 4;
@@ -137,15 +161,13 @@ std::string with_exif_directory(std::string tiff, const Exposure& exposure) {
   std::string offset;
   put(offset, new_at, 4);
   tiff.replace(4, 4, offset);
-  return tiff + directory + exif_directory(exposure, exif_at);
+  return tiff + directory + exif_directory(fields, exif_at);
 }
-
-}  // namespace
 
 /// JPEG: an APP1 segment (EXIF 2.3, 4.5.4) among the leading APPn segments, in place of the empty one that
 /// OpenImageIO writes.
-std::string jpeg_with_exposure(const std::string& jpeg, const Exposure& exposure) {
-  const std::string signature("Exif\0\0", 6), body = signature + exif_block(exposure);
+std::string with_exif_segment(const std::string& jpeg, const std::vector<Field>& fields) {
+  const std::string signature("Exif\0\0", 6), body = signature + exif_block(fields);
   std::string segments;
   std::size_t at = 2;  // after SOI
   while (jpeg.at(at) == '\xff' && (get(jpeg, at + 1, 1) & 0xf0) == 0xe0) {
@@ -158,13 +180,20 @@ std::string jpeg_with_exposure(const std::string& jpeg, const Exposure& exposure
   return jpeg.substr(0, 2) + segments + body + jpeg.substr(at);
 }
 
-void embed_exposure(const Path& file, const Exposure& exposure) {
-  if (!exposure.seconds && !exposure.f_number && !exposure.iso) return;
+}  // namespace
+
+std::string jpeg_with_exposure(const std::string& jpeg, const Exposure& exposure) {
+  return with_exif_segment(jpeg, fields_of(exposure, {}));
+}
+
+void embed_exif(const Path& file, const Exposure& exposure, const std::optional<Lens>& lens) {
+  const std::vector<Field> fields = fields_of(exposure, lens);
+  if (fields.empty()) return;
   const std::string bytes = read_text(file);
-  if (bytes.starts_with("\xff\xd8")) return write_text(file, jpeg_with_exposure(bytes, exposure));
-  if (bytes.starts_with("\x89PNG")) return write_text(file, with_exif_chunk(bytes, exposure));
+  if (bytes.starts_with("\xff\xd8")) return write_text(file, with_exif_segment(bytes, fields));
+  if (bytes.starts_with("\x89PNG")) return write_text(file, with_exif_chunk(bytes, fields));
   HDR_ASSERT(bytes.starts_with(std::string("II*\0", 4)));
-  write_text(file, with_exif_directory(bytes, exposure));
+  write_text(file, with_exif_directory(bytes, fields));
 }
 
 }  // namespace hdr::internal

@@ -120,6 +120,23 @@ TEST(Photo, ASensorsResolutionGivesTheFieldOfWholePicturesAlone) {
   EXPECT_EQ(field_on_sensor(scratch / "a.jpg", 0, 2, 600), 0) << "0: unknown";
 }
 
+TEST(Photo, ALensIsWrittenAsItIsRead) {
+  const ScratchDir scratch;
+  const Photo photo = made_up_photo(64, 48, 8, 8, {0.01, 4.0, 100.0, 0});
+  for (const std::string extension : {".jpg", ".png", ".tif"}) {
+    for (const double degrees : {1.5, 39.5978, 110.0}) {
+      write_photo(scratch / ("a" + extension), photo, 95, degrees);
+      const PhotoHeader header = read_photo_header(scratch / ("a" + extension));
+      EXPECT_NEAR(header.fov_degrees.value_or(0), degrees, 1e-5 * degrees) << extension;
+      EXPECT_TRUE(header.fov_by_sensor) << extension;
+      EXPECT_EQ(header.exposure.seconds, photo.exposure.seconds) << extension;
+      EXPECT_EQ(header.exposure.iso, photo.exposure.iso) << extension;
+    }
+    write_photo(scratch / ("a" + extension), photo);
+    EXPECT_FALSE(read_photo_header(scratch / ("a" + extension)).fov_degrees) << extension;
+  }
+}
+
 /// A 3 x 2 picture whose codes tell the position in the UPRIGHT picture: red = column, green = row.
 void write_oriented(const Path& path, int orientation) {
   const bool on_its_side = orientation >= 5;
