@@ -1,15 +1,11 @@
 #include "capture/libcamera/libcamera_camera.h"
 
 #include <fcntl.h>
-#include <libcamera/logging.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <condition_variable>
-#include <cstdlib>
 #include <filesystem>
-#include <mutex>
 #include <utility>
 
 #include "capture/internal/deadline_worker.h"
@@ -18,6 +14,7 @@
 #include "capture/libcamera/libcamera_controls.h"
 #include "capture/libcamera/libcamera_formats.h"
 #include "capture/libcamera/libcamera_stream.h"
+#include "capture/libcamera/shared_manager.h"
 #include "capture/v4l2/formats.h"
 #include "capture/v4l2/v4l2_device.h"
 #include "capture/v4l2/v4l2_uri.h"
@@ -32,41 +29,6 @@ using v4l2::During;
 constexpr std::string_view kScheme = "libcamera:";
 /// For calls that talk to the device.
 constexpr std::chrono::milliseconds kPatience{4000};
-
-/// libcamera's manager, of which a process may have one at a time: made for the first camera, gone with the last, so
-/// that its threads have ended before the program's static objects do.
-class SharedManager {
- public:
-  static std::shared_ptr<libcamera::CameraManager> get() {
-    static SharedManager& shared = *new SharedManager;  // a camera may be let go on a thread that outlives main()
-    std::unique_lock lock(shared.mutex_);
-    if (auto running = shared.current_.lock()) return running;
-    // The last one may still be ending, on another thread.
-    if (!shared.ended_.wait_for(lock, kPatience, [] { return !shared.exists_; })) {
-      throw v4l2::error_of(ETIMEDOUT, During::kOpen, "libcamera", "starting it");
-    }
-    // Its errors come back to us as numbers; a line on the person's screen for each camera is too much.
-    if (!std::getenv("LIBCAMERA_LOG_LEVELS")) libcamera::logSetTarget(libcamera::LoggingTargetNone);
-    auto made = std::make_unique<libcamera::CameraManager>();
-    if (made->start() != 0) throw CameraError(Kind::kNotSupported, "libcamera does not start on this machine");
-    shared.exists_ = true;
-    std::shared_ptr<libcamera::CameraManager> running(made.release(), [](libcamera::CameraManager* ending) {
-      ending->stop();
-      delete ending;
-      const std::lock_guard ended(shared.mutex_);
-      shared.exists_ = false;
-      shared.ended_.notify_all();
-    });
-    shared.current_ = running;
-    return running;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  std::weak_ptr<libcamera::CameraManager> current_;
-  bool exists_ = false;
-};
 
 /// libcamera leaves out devices that it may not open.
 bool some_device_is_forbidden() {
@@ -136,7 +98,7 @@ void LibcameraCamera::require(const std::string& what, std::function<int()> call
 
 LibcameraCamera::LibcameraCamera(const std::string& uri, v4l2::Uri wanted) : wanted_(std::move(wanted)) {
   capabilities_.uri = uri;
-  manager_ = within_patience<std::shared_ptr<libcamera::CameraManager>>("starting libcamera", SharedManager::get);
+  manager_ = within_patience<std::shared_ptr<libcamera::CameraManager>>("starting libcamera", lc::shared_manager);
   camera_ = find_camera(*manager_, wanted_.path, uri);
   const auto model = camera_->properties().get(libcamera::properties::Model);
   capabilities_.name = model ? std::string(*model) : camera_->id();
@@ -290,7 +252,7 @@ void LibcameraCamera::stop() {
 
 std::vector<CameraName> list_libcamera_cameras() {
   std::vector<CameraName> cameras;
-  const auto all = SharedManager::get();  // it outlives the cameras
+  const auto all = lc::shared_manager();  // it outlives the cameras
   for (const auto& camera : all->cameras()) {
     const auto model = camera->properties().get(libcamera::properties::Model);
     cameras.push_back({std::string(kScheme) + camera->id(), model ? std::string(*model) : camera->id()});

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "capture/libcamera/shared_manager.h"
+
 namespace hdr::lc {
 
 Stream::Stream(std::shared_ptr<libcamera::CameraManager> manager, std::shared_ptr<libcamera::Camera> camera,
@@ -25,9 +27,14 @@ Stream::Stream(std::shared_ptr<libcamera::CameraManager> manager, std::shared_pt
     changed_.notify_all();
   });
   camera_->disconnected.connect(this, [this] {
-    const std::lock_guard lock(mutex_);
-    gone_ = true;
-    changed_.notify_all();
+    bool requests_are_on_their_way = false;
+    {
+      const std::lock_guard lock(mutex_);
+      gone_ = true;
+      requests_are_on_their_way = running_;
+      changed_.notify_all();
+    }
+    if (requests_are_on_their_way) hold_until_manager_ends();  // nothing of this object after it: it may be no more
   });
 }
 
