@@ -45,7 +45,7 @@ void average_cell(View<const Code> codes, const Linearizer& linearizer, int x0, 
 double usable_share(const Photo& photo) {
   const double pixels = static_cast<double>(photo.width()) * photo.height();
   if (pixels == 0) return 0;
-  const int step = std::max(1, static_cast<int>(std::sqrt(pixels / 100000)));
+  const int step = std::max(1, static_cast<int>(std::sqrt(pixels / 40000)));
   const double first = kDarkestCode * photo.max_code(), last = kBrightestCode * photo.max_code();
   double usable = 0, counted = 0;
   const auto add_row = [&](const auto& row) {

@@ -10,25 +10,36 @@
 namespace hdr::internal {
 namespace {
 
+struct Usable {
+  double sum = 0, count = 0;
+  void add(const Usable& more) { sum += more.sum, count += more.count; }
+  void subtract(const Usable& less) { sum -= less.sum, count -= less.count; }
+};
+
 /// What remains of ln radiance when the mean of the usable pixels around is taken away: broad gradients correlate at
 /// any shift and would flatten the peak. `reach` pixels to each side.
 LogPicture detail_of(const LogPicture& picture, int reach) {
   const int width = picture.ln.width(), height = picture.ln.height();
   LogPicture detail{Image<float>(width, height, 1), picture.variance.clone(), picture.cell};
-  for_rows(height, 16, [&](int first, int last) {
-    for (int y = first; y < last; ++y) {
+  for_rows(height, 48, [&](int first, int last) {
+    std::vector<Usable> columns(static_cast<std::size_t>(width));  // of the rows around y
+    const auto count_row = [&](int y, double sign) {
+      if (y < 0 || y >= height) return;
       for (int x = 0; x < width; ++x) {
-        if (!picture.usable(x, y)) continue;
-        double sum = 0, count = 0;
-        for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v) {
-          for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) {
-            const double usable = picture.usable(u, v);
-            sum += usable * picture.ln(u, v);
-            count += usable;
-          }
-        }
-        detail.ln(x, y) = static_cast<float>(picture.ln(x, y) - sum / count);
+        if (picture.usable(x, y)) columns[static_cast<std::size_t>(x)].add({sign * picture.ln(x, y), sign});
       }
+    };
+    for (int y = first - reach; y < first + reach; ++y) count_row(y, 1);
+    for (int y = first; y < last; ++y) {
+      count_row(y + reach, 1);
+      Usable around;
+      for (int x = -reach; x < width; ++x) {
+        if (x + reach < width) around.add(columns[static_cast<std::size_t>(x + reach)]);
+        if (x < 0) continue;
+        if (picture.usable(x, y)) detail.ln(x, y) = static_cast<float>(picture.ln(x, y) - around.sum / around.count);
+        if (x >= reach) around.subtract(columns[static_cast<std::size_t>(x - reach)]);
+      }
+      count_row(y - reach, -1);
     }
   });
   return detail;

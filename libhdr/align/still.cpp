@@ -13,7 +13,8 @@ constexpr int kNearRadius = 2;    // pixels of the thumbnail: the tiles tell whe
 constexpr int kSamplesASide = 2;  // of each cell of a thumbnail: does it lie where it was, or far away?
 constexpr double kBiasPx = 0.03;  // what response, compression and resampling may add to a measured shift
 constexpr double kSure = 1.5;     // deviations of a measured motion from the bound under which it is called none
-constexpr double kMoved = 3;      // and beyond which there is no use in a closer look
+constexpr double kMoved = 3;      // and beyond which there is no use in a closer look;
+constexpr double kMovedFar = 10;  // at the first, whose few tiles do not know their own deviation well
 
 /// Tiles of the mosaic know where they were cut from the photograph.
 void place_tiles(Linearization& at, Size photo, int tiles) {
@@ -55,17 +56,21 @@ StillAnswer still_motion(StillProbe& a, StillProbe& b) {
   const std::vector<Vec2> far = search_shifts(a.thumbnail(), b.thumbnail(), kNearRadius, 1);
   if (far.empty() || far[0].cwiseAbs().maxCoeff() > 0.5 * a.thumbnail().cell) return {Stillness::kMoved, {}};
   const MotionFrame frame(a.size());
-  for (int tiles = kFewestTiles; tiles <= a.most_tiles(); tiles *= 2) {
-    PairMotion near = refine_in_place(a.size(), a.tiles(tiles), b.tiles(tiles),
-                                      [&](Linearization& at) { place_tiles(at, a.size(), tiles); });
-    if (!near.trouble.empty()) continue;  // more tiles may have what these lack
-    const double moved = frame.farthest_between(near.b_from_a, Mat3::Identity());
-    const double doubt = frame.rms(near.covariance());
-    const bool last = 2 * tiles > a.most_tiles();
-    if (moved + kSure * doubt < kStillPx || (last && moved < kStillPx)) return {Stillness::kStill, near};
-    if (moved - kMoved * doubt > kStillPx) return {Stillness::kMoved, {}};
+  const int most = a.most_tiles();
+  if (most < kFewestTiles) return {Stillness::kUnclear, {}};
+  for (int tiles = kFewestTiles;; tiles = std::min(2 * tiles, most)) {
+    const bool last = tiles == most;
+    const PairMotion near = refine_in_place(a.size(), a.tiles(tiles), b.tiles(tiles),
+                                            [&](Linearization& at) { place_tiles(at, a.size(), tiles); });
+    if (near.trouble.empty()) {  // else more tiles may have what these lack
+      const double moved = frame.farthest_between(near.b_from_a, Mat3::Identity());
+      const double doubt = frame.rms(near.covariance());
+      if (moved + kSure * doubt < kStillPx || (last && moved < kStillPx)) return {Stillness::kStill, near};
+      const double sure = tiles == kFewestTiles ? kMovedFar : kMoved;
+      if (moved - sure * doubt > kStillPx) return {Stillness::kMoved, {}};
+    }
+    if (last) return {Stillness::kUnclear, {}};
   }
-  return {Stillness::kUnclear, {}};
 }
 
 bool lies_still(double moved_px, double error_px) {
