@@ -1,6 +1,7 @@
 #include "libhdr/probe/find_ball.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace hdr {
 namespace {
 
 constexpr int kCoarseSide = 512;       ///< candidates are sought in a picture no larger than this
+constexpr int kLeastSide = 32;         ///< of a picture in which anything is sought
 constexpr double kLeastRadius = 0.08;  ///< of the shorter side
 constexpr double kMostRadius = 0.52;   ///< of the shorter side
 constexpr int kCandidates = 60;
@@ -28,20 +30,40 @@ constexpr double kLeastSupport = 0.5;
 constexpr double kLeastInFrame = 0.6;
 constexpr double kBlurred = 0.1;  ///< share of the coarse picture's evidence below which a level is out of focus
 
-/// Luminance above a small share of its median, which keeps black and its noise from ruling.
-Image<float> raised_luminance(View<const float> rgb) {
+/// One channel above a small share of its median, which keeps black and its noise from ruling.
+Image<float> raised(Image<float> channel) {
   constexpr double kShareOfMedian = 0.05;
-  Image<float> result = internal::luminance_of(rgb);
   std::vector<float> sample;
-  for (int y = 0; y < rgb.height(); y += 4) {
-    for (int x = 0; x < rgb.width(); x += 4) sample.push_back(result(x, y));
+  for (int y = 0; y < channel.height(); y += 4) {
+    for (int x = 0; x < channel.width(); x += 4) sample.push_back(channel(x, y));
   }
   const float base = std::max(1e-30f, static_cast<float>(kShareOfMedian) * median_of(sample));
+  for (int y = 0; y < channel.height(); ++y) {
+    for (int x = 0; x < channel.width(); ++x) channel(x, y) += base;
+  }
+  return channel;
+}
+
+Image<float> channel_of(View<const float> rgb, int channel) {
+  Image<float> result(rgb.width(), rgb.height(), 1);
   for (int y = 0; y < rgb.height(); ++y) {
-    for (int x = 0; x < rgb.width(); ++x) result(x, y) += base;
+    for (int x = 0; x < rgb.width(); ++x) result(x, y) = std::max(0.0f, rgb(x, y, channel));
   }
   return result;
 }
+
+/// The picture in halves of halves, the finest first.
+struct Levels {
+  explicit Levels(View<const float> rgb)
+      : luminance(internal::halvings(raised(internal::luminance_of(rgb)), kCoarseSide, kLeastSide)),
+        red(internal::halvings(raised(channel_of(rgb, 0)), kCoarseSide, kLeastSide)),
+        blue(internal::halvings(raised(channel_of(rgb, 2)), kCoarseSide, kLeastSide)) {}
+
+  std::size_t size() const { return luminance.size(); }
+  internal::OutlinePicture at(std::size_t level) const { return {luminance[level], red[level], blue[level]}; }
+
+  std::vector<Image<float>> luminance, red, blue;
+};
 
 Image<float> logarithm(const Image<float>& picture) {
   Image<float> result(picture.size(), 1);
@@ -96,8 +118,9 @@ bool nearly_alike(const Ellipse& a, const Ellipse& b) {
 }
 
 /// The circle with the most evidence that holds a reflection, in the coarsest picture.
-OutlineFit best_circle(const std::vector<Image<float>>& levels) {
-  const Image<float>& luminance = levels.back();
+OutlineFit best_circle(const Levels& levels) {
+  const Image<float>& luminance = levels.luminance.back();
+  const internal::OutlinePicture picture = levels.at(levels.size() - 1);
   const double scale = std::exp2(static_cast<double>(levels.size()) - 1);
   const double side = std::min(luminance.width(), luminance.height());
   const auto circles = internal::vote_for_circles(logarithm(luminance), std::max(8.0, kLeastRadius * side),
@@ -107,7 +130,7 @@ OutlineFit best_circle(const std::vector<Image<float>>& levels) {
   std::vector<OutlineFit> fits(circles.size());
   for_rows(static_cast<int>(circles.size()), 1, [&](int k, int) {
     const Disc& disc = circles[static_cast<std::size_t>(k)];
-    fits[static_cast<std::size_t>(k)] = model.fit(luminance, {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r});
+    fits[static_cast<std::size_t>(k)] = model.fit(picture, {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r});
   });
   std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.evidence > b.evidence; });
   std::vector<Ellipse> refused;
@@ -116,7 +139,7 @@ OutlineFit best_circle(const std::vector<Image<float>>& levels) {
     if (fit.in_frame < kLeastInFrame || fit.support < kLeastSupport) continue;
     const auto alike = [&](const Ellipse& other) { return nearly_alike(fit.outline, other); };
     if (std::any_of(refused.begin(), refused.end(), alike)) continue;
-    if (holds_reflection(levels, scaled(fit.outline, scale))) return fit;
+    if (holds_reflection(levels.luminance, scaled(fit.outline, scale))) return fit;
     refused.push_back(fit.outline);
   }
   return {};
@@ -125,76 +148,139 @@ OutlineFit best_circle(const std::vector<Image<float>>& levels) {
 /// Places an outline in one level of the pyramid.
 class Placing {
  public:
-  Placing(const Image<float>& luminance, const FindBallOptions& options)
-      : Placing(luminance, options, noise_of(luminance)) {}
+  Placing(const Levels& levels, std::size_t level, const FindBallOptions& options)
+      : Placing(levels.at(level), options, noise_of(levels.luminance[level])) {}
 
   /// The outline near a guess. A circle, unless an ellipse has clearly more evidence.
   OutlineFit operator()(const Ellipse& guess) const {
-    if (options_.fov_degrees) {
-      const OutlineFit fit = wide_.fit(luminance_, with_known_field(guess));
-      return close_.fit(luminance_, with_known_field(fit.outline));
-    }
+    if (options_.fov_degrees) return placed(start_with_known_field(guess), false);
     const double radius = 0.5 * (guess.major + guess.minor);
     const OutlineFit round = placed({guess.centre, guess.along, radius, radius}, false);
     if (most_elongation(guess) < kLeastElongation) return round;
-    const OutlineFit longer = placed(pointing_at_middle(guess, luminance_.size()), true);
+    const OutlineFit longer = placed(elongated(pointing_at_middle(guess, size_)), true);
     const double elongation = longer.outline.major - longer.outline.minor;
-    const double gain = longer.evidence * longer.radii - round.evidence * round.radii;
     const bool possible = elongation > 0 && elongation <= most_elongation(guess) && far_enough(longer.outline);
-    const bool plain = gain > kLeastGain || (elongation >= kPlainElongation && scatters_less(longer, round, elongation));
+    const bool plain =
+        gains_all_around(longer, round) || (elongation >= kPlainElongation && scatters_less(longer, round, elongation));
     return possible && plain ? longer : round;
   }
 
  private:
-  Placing(const Image<float>& luminance, const FindBallOptions& options, double noise)
-      : luminance_(luminance),
+  Placing(const internal::OutlinePicture& picture, const FindBallOptions& options, double noise)
+      : picture_(picture),
+        size_{picture.luminance.width(), picture.luminance.height()},
         options_(options),
-        wide_({.radii = 360, .half_window_px = 7, .range_px = 3, .step_px = 0.125, .noise = noise}),
+        start_({.radii = 96, .half_window_px = 5, .range_px = 3, .step_px = 0.25, .noise = noise, .starts = 3}),
+        wide_({.radii = 360, .half_window_px = 7, .range_px = 3, .step_px = 0.125, .noise = noise, .starts = 3}),
         close_({.radii = 360, .half_window_px = 5, .range_px = 1.5, .step_px = 0.125, .noise = noise}) {}
 
-  /// First within a few pixels, then close by with short profiles, in which what lies deeper in the ball has no say.
+  /// First within a few pixels, then close by with short profiles, in which what lies deeper in the ball has no say,
+  /// until they are read where the outline is. `elongates`: the ellipse's length is sought, too.
   OutlineFit placed(const Ellipse& guess, bool elongates) const {
-    return close_.fit(luminance_, wide_.fit(luminance_, guess, elongates).outline, elongates);
+    constexpr int kRounds = 4;
+    constexpr double kSettled = 0.05;  // pixels
+    const auto shaped = [&](const Ellipse& outline) {
+      return options_.fov_degrees ? with_known_field(outline) : outline;
+    };
+    OutlineFit fit = wide_.fit(picture_, guess, elongates);
+    for (int round = 0; round < kRounds; ++round) {
+      const Ellipse last = fit.outline;
+      fit = close_.fit(picture_, shaped(last), elongates);
+      if ((fit.outline.centre - last.centre).norm() + std::abs(fit.outline.minor - last.minor) < kSettled) break;
+    }
+    return fit;
+  }
+
+  /// A start that is as long as the ellipse with the most evidence, where circles are too far from it to get there.
+  Ellipse elongated(const Ellipse& guess) const {
+    constexpr double kStep = 4;            // pixels: less than the search reaches both ways
+    constexpr double kMostOfRadius = 0.1;  // 25 degrees off the axis
+    const double r = guess.minor, longest = std::min(most_elongation(guess), kMostOfRadius * r);
+    if (guess.major > guess.minor || longest < kStep) return guess;
+    Ellipse best = guess;
+    double most = start_.fit(picture_, guess, true).evidence;
+    for (double e = kStep; e <= longest; e += kStep) {
+      for (const double shorter : {0.0, 0.5, 1.0}) {  // a circle lies at either end of an ellipse, or between
+        const Ellipse start{guess.centre, guess.along, r + (1 - shorter) * e, r - shorter * e};
+        const double evidence = start_.fit(picture_, start, true).evidence;
+        if (evidence > most) most = evidence, best = start;
+      }
+    }
+    return best;
   }
 
   static constexpr double kLeastElongation = 0.3;  ///< pixels by which an ellipse differs from a circle
-  // In ln likelihood over all radii, of which some thirty are independent. Of nine balls near the middle two true
-  // ellipses had 308 and 367, seven false ones 50 to 112.
-  static constexpr double kLeastGain = 150;
+  // In ln likelihood over all radii, of which some thirty are independent. Of 52 balls four true ellipses had 195 to
+  // 398, of which 90 and more was left without their best quarter; false ones up to 471, but at most 58 without it.
+  static constexpr double kLeastGain = 150, kLeastGainElsewhere = 75;
   static constexpr double kPlainElongation = 0.75;  ///< pixels; of 150 balls few far ones seemed to have more
-  static constexpr double kNearest = 3;  ///< radii: nearer than that nobody photographs a ball
+  static constexpr double kNearest = 3;             ///< radii: nearer than that nobody photographs a ball
 
-  /// Around a circle the radii of an ellipse have their own best places at e/2 cos 2t, which is gone around the ellipse:
-  /// evidence, bounded a radius, may not see what so many agree on.
+  /// An arc along which something straight passes behind the ball may be gone around by an ellipse, too: that is a gain
+  /// in one quarter of the outline.
+  static bool gains_all_around(const OutlineFit& longer, const OutlineFit& round) {
+    constexpr std::size_t kOctants = 8;
+    std::array<double, kOctants> gains;
+    double total = 0, best_quarter = 0;
+    for (std::size_t k = 0; k < kOctants; ++k) total += gains[k] = longer.octants[k] - round.octants[k];
+    for (std::size_t k = 0; k < kOctants; ++k) {
+      best_quarter = std::max(best_quarter, gains[k] + gains[(k + 1) % kOctants]);
+    }
+    return total > kLeastGain && total - best_quarter > kLeastGainElsewhere;
+  }
+
+  /// Around a circle the radii of an ellipse have their own best places at e/2 cos 2t, which is gone around the
+  /// ellipse: evidence, bounded a radius, may not see what so many agree on.
   static bool scatters_less(const OutlineFit& longer, const OutlineFit& round, double elongation) {
-    const double expected = elongation * elongation / 8, had = round.residual_px * round.residual_px;
+    // They look no farther than 1.5 pixels: around a circle far off they scatter no more than that lets them.
+    constexpr double kMostOfIt = 1.15;
+    const double had = round.residual_px * round.residual_px;
+    const double expected = std::min(elongation * elongation / 8, kMostOfIt * had);
     return had - longer.residual_px * longer.residual_px >= 0.5 * expected;
   }
 
   /// Half a pixel of elongation near the middle may be an error, and would put the camera beside the ball.
   bool far_enough(const Ellipse& outline) const {
-    const Vec2 middle(0.5 * luminance_.width(), 0.5 * luminance_.height());
+    const Vec2 middle(0.5 * size_.width, 0.5 * size_.height);
     const Disc disc{outline.centre.x(), outline.centre.y(), outline.minor};
     const auto ball = internal::ball_from_elongation(disc, middle, outline.major / outline.minor);
     return ball && ball->distance >= kNearest;
   }
 
+  /// The circle that was seen may lie at either end of the ellipse, or between.
+  Ellipse start_with_known_field(const Ellipse& guess) const {
+    constexpr double kNoticed = 2;  // pixels
+    Ellipse best = with_known_field(guess);
+    const double elongation = best.major - best.minor;
+    if (guess.major > guess.minor || elongation < kNoticed) return best;
+    double most = start_.fit(picture_, best).evidence;
+    for (const double shorter : {0.5, 1.0}) {
+      Ellipse start = guess;
+      start.minor -= shorter * elongation;
+      start = with_known_field(start);
+      const double evidence = start_.fit(picture_, start).evidence;
+      if (evidence > most) most = evidence, best = start;
+    }
+    return best;
+  }
+
   Ellipse with_known_field(const Ellipse& guess) const {
     const Disc disc{guess.centre.x(), guess.centre.y(), guess.minor};
-    return internal::outline_of(ball_in_photograph(disc, luminance_.size(), *options_.fov_degrees));
+    return internal::outline_of(ball_in_photograph(disc, size_, *options_.fov_degrees));
   }
 
   /// What a wide-angle lens makes of a ball there, pixels: half the square of the angle off its axis.
   double most_elongation(const Ellipse& guess) const {
     constexpr double kWidest = 110;  // degrees of horizontal field
-    const double focal = 0.5 * luminance_.width() / std::tan(0.5 * kWidest * kDegree);
-    const Vec2 middle(0.5 * luminance_.width(), 0.5 * luminance_.height());
+    const double focal = 0.5 * size_.width / std::tan(0.5 * kWidest * kDegree);
+    const Vec2 middle(0.5 * size_.width, 0.5 * size_.height);
     return 0.5 * guess.minor * (guess.centre - middle).squaredNorm() / (focal * focal);
   }
 
-  const Image<float>& luminance_;
+  internal::OutlinePicture picture_;
+  Size size_;
   const FindBallOptions& options_;
-  internal::OutlineModel wide_, close_;
+  internal::OutlineModel start_, wide_, close_;
 };
 
 MirrorBall ball_of(const Ellipse& outline, Size size, const FindBallOptions& options) {
@@ -207,7 +293,7 @@ MirrorBall ball_of(const Ellipse& outline, Size size, const FindBallOptions& opt
 
 /// Without the rim's own evidence: a circle that nearly fills the frame, judged where blur is some pixels.
 std::optional<FoundBall> filling_ball(Image<float> luminance, const FindBallOptions& options) {
-  constexpr int kSide = 160, kLeastSide = 32;
+  constexpr int kSide = 160;
   const auto circle = internal::find_filling_circle(luminance);
   if (!circle) return std::nullopt;
   const Disc& d = circle->disc;
@@ -225,27 +311,26 @@ std::optional<FoundBall> filling_ball(Image<float> luminance, const FindBallOpti
 }  // namespace
 
 std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions& options) {
-  constexpr int kLeastSide = 32;
   if (rgb.channels() < 3 || std::min(rgb.width(), rgb.height()) < kLeastSide) return std::nullopt;
-  std::vector<Image<float>> levels = internal::halvings(raised_luminance(rgb), kCoarseSide, kLeastSide);
+  Levels levels(rgb);
 
   // In the coarsest picture: the circle with the most evidence of all that the edges vote for.
   const OutlineFit coarse = best_circle(levels);
-  if (coarse.evidence < kLeastEvidence) return filling_ball(std::move(levels.front()), options);
+  if (coarse.evidence < kLeastEvidence) return filling_ball(std::move(levels.luminance.front()), options);
 
   // From level to level the outline is placed more finely, as long as it is sharp enough to show there.
   double scale = std::exp2(static_cast<double>(levels.size()) - 1);
   Ellipse outline = scaled(coarse.outline, scale);
   FoundBall best{{}, coarse.support, scale * coarse.residual_px};
-  for (auto level = levels.rbegin(); level < levels.rend(); ++level, scale *= 0.5) {
-    const OutlineFit fit = Placing(*level, options)(scaled(outline, 1 / scale));
+  for (std::size_t level = levels.size(); level-- > 0; scale *= 0.5) {
+    const OutlineFit fit = Placing(levels, level, options)(scaled(outline, 1 / scale));
     const bool lost = !(fit.outline.minor > 1) || !std::isfinite(fit.outline.major);  // a fit to noise may run away
     if (lost || fit.evidence < kBlurred * coarse.evidence) break;
     outline = scaled(fit.outline, scale);
     best.support = fit.support;
     best.residual_px = scale * fit.residual_px;
   }
-  if (!holds_reflection(levels, outline)) return std::nullopt;
+  if (!holds_reflection(levels.luminance, outline)) return std::nullopt;
   best.ball = ball_of(outline, rgb.size(), options);
   return best;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -66,9 +67,12 @@ class ProfileLikelihood {
     half_log_determinant_ = lower.diagonal().array().log().sum();
     whitening_ = factor.matrixL().solve(Eigen::MatrixXd::Identity(lower.rows(), lower.cols()));
   }
-  double operator()(const Eigen::VectorXd& profile, double floor) const {
-    const double n = static_cast<double>(profile.size());
-    return -0.5 * n * std::log((whitening_ * profile).squaredNorm() + floor) - half_log_determinant_;
+  /// Of each column.
+  Eigen::ArrayXd operator()(const Eigen::MatrixXd& profiles, double floor) const {
+    const Eigen::MatrixXd white = whitening_.triangularView<Eigen::Lower>() * profiles;
+    return -0.5 * static_cast<double>(profiles.rows()) *
+               (white.colwise().squaredNorm().transpose().array() + floor).log() -
+           half_log_determinant_;
   }
 
  private:
@@ -102,31 +106,62 @@ std::vector<ProfileLikelihood> other_likelihoods(int half_window, int range) {
 
 using Vec4 = Eigen::Vector4d;
 
-/// The square root of radiance across the outline, against its mean there, less 1: between radiance, in which a sun's
-/// blur is a blur but the sun is all there is, and its logarithm, in which a blur is a shift.
-struct Profile {
-  Vec4 shift_from_change;  ///< how far the outline moves outwards here when (cx, cy, both half-axes, the larger) grow
-  Eigen::VectorXd values;
-  double without_outline = 0;  ///< ln likelihood
+/// What is seen across the outline, in three ways: the square and the fourth root of luminance, and the difference
+/// between the fourth roots of red and of blue, each against its mean there. Roots lie between radiance, in which a
+/// blur is a blur but a sun is all there is, and its logarithm, in which a blur is a shift: the lower one sees what is
+/// dark beside a bright floor.
+constexpr std::size_t kSights = 3;
+
+/// The profiles across an outline, a column each.
+struct Profiles {
+  std::vector<Vec4>
+      shift_from_change;  ///< how far it moves outwards there when (cx, cy, both half-axes, the larger) grow
+  std::array<Eigen::MatrixXd, kSights> sights{};
+  std::array<Eigen::ArrayXd, kSights> without_outline{};  ///< ln likelihood
+
+  std::size_t size() const { return shift_from_change.size(); }
 };
 
-/// The profiles across an outline, where it lies in the picture. Beyond the frame the last pixels go on.
-std::vector<Profile> read_profiles(View<const float> picture, const Ellipse& outline, int radii, int half_window) {
+/// (v / mean)^power - 1, times what keeps small changes of one size for any power.
+Eigen::VectorXd root_of(const Eigen::VectorXd& values, double power) {
+  return ((values.array() / std::max(values.mean(), 1e-30)).pow(power) - 1) * (0.5 / power);
+}
+
+/// Variance of a sight's noise for pixels of this deviation.
+double noise_floor(double noise, std::size_t sight) {
+  return (sight == 2 ? 2 : 1) * noise * noise;
+}
+
+/// Where the outline lies in the picture. Beyond the frame the last pixels go on.
+Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, int radii, int half_window) {
   constexpr double kInside = 2;  // pixels of the outside that must be seen
   const Vec2 along = outline.along, aside(-along.y(), along.x());
-  std::vector<Profile> profiles;
+  const Size size{picture.luminance.width(), picture.luminance.height()};
+  Profiles profiles;
+  profiles.sights.fill(Eigen::MatrixXd(2 * half_window + 1, radii));
   for (int k = 0; k < radii; ++k) {
     const double angle = 2 * kPi * k / radii, c = std::cos(angle), s = std::sin(angle);
     const Vec2 from_centre = outline.major * c * along + outline.minor * s * aside;
     const Vec2 normal = (outline.minor * c * along + outline.major * s * aside).normalized();
     const auto at = [&](double out) { return Vec2(outline.centre + from_centre + out * normal); };
     const Vec2 seen = at(kInside);
-    if (seen.x() < 0 || seen.y() < 0 || seen.x() > picture.width() || seen.y() > picture.height()) continue;
+    if (seen.x() < 0 || seen.y() < 0 || seen.x() > size.width || seen.y() > size.height) continue;
     const double longer = c * normal.dot(along), growth = longer + s * normal.dot(aside);
-    Profile profile{{normal.x(), normal.y(), growth, longer}, Eigen::VectorXd(2 * half_window + 1)};
-    for (int i = 0; i < profile.values.size(); ++i) profile.values[i] = bilinear(picture, at(i - half_window));
-    profile.values = (profile.values.array() / std::max(profile.values.mean(), 1e-30)).sqrt() - 1;
-    profiles.push_back(std::move(profile));
+    Eigen::VectorXd luminance(2 * half_window + 1), red(luminance.size()), blue(luminance.size());
+    for (int i = 0; i < luminance.size(); ++i) {
+      const Vec2 px = at(i - half_window);
+      luminance[i] = bilinear(picture.luminance, px);
+      red[i] = bilinear(picture.red, px);
+      blue[i] = bilinear(picture.blue, px);
+    }
+    const auto column = static_cast<Eigen::Index>(profiles.size());
+    profiles.sights[0].col(column) = root_of(luminance, 0.5);
+    profiles.sights[1].col(column) = root_of(luminance, 0.25);
+    profiles.sights[2].col(column) = root_of(red, 0.25) - root_of(blue, 0.25);
+    profiles.shift_from_change.emplace_back(normal.x(), normal.y(), growth, longer);
+  }
+  for (auto& sight : profiles.sights) {
+    sight.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(profiles.size()));
   }
   return profiles;
 }
@@ -151,21 +186,40 @@ struct OutlineModel::Tables {
 
 namespace {
 
+/// Of each sight in the evidence of each radius: both of luminance are of one light; colour has a say as far as it
+/// changes by more than its noise, which is about the same in red and in blue, and greater than that of luminance.
+std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, double noise) {
+  constexpr double kChannel = 1.5;  // noise of a channel against that of luminance
+  const double variance = 2 * 0.25 * kChannel * kChannel * noise * noise;
+  const Eigen::MatrixXd& colour = profiles.sights[2];
+  const Eigen::ArrayXd mean = colour.colwise().mean().transpose();
+  const Eigen::ArrayXd spread =
+      colour.colwise().squaredNorm().transpose().array() / static_cast<double>(colour.rows()) - mean.square();
+  const Eigen::ArrayXd half = Eigen::ArrayXd::Constant(colour.cols(), 0.5);
+  return {half, half, (1 - 3 * variance / spread.max(1e-30)).max(0)};
+}
+
 /// What the radii say of an outline at each shift, under one clock.
 class Evidence {
  public:
-  Evidence(const std::vector<Profile>& profiles, const std::vector<ProfileLikelihood>& outline,
-           const OutlineSearch& search)
+  Evidence(const Profiles& profiles, const std::vector<ProfileLikelihood>& outline, const OutlineSearch& search)
       : range_(search.range_px), step_(search.step_px) {
-    const double floor = search.noise * search.noise;
-    for (const Profile& profile : profiles) {
-      Radius radius{profile.shift_from_change, {}};
-      for (const ProfileLikelihood& likelihood : outline) {
-        radius.evidence.push_back(likelihood(profile.values, floor) - profile.without_outline);
+    for (const Vec4& shift_from_change : profiles.shift_from_change) {
+      radii_.push_back({shift_from_change, std::vector<double>(outline.size())});
+    }
+    const std::array<Eigen::ArrayXd, kSights> shares = shares_of(profiles, search.noise);
+    for (std::size_t k = 0; k < kSights; ++k) {
+      for (std::size_t s = 0; s < outline.size(); ++s) {
+        const Eigen::ArrayXd gain =
+            shares[k] * (outline[s](profiles.sights[k], noise_floor(search.noise, k)) - profiles.without_outline[k]);
+        for (std::size_t r = 0; r < radii_.size(); ++r) {
+          radii_[r].evidence[s] += gain[static_cast<Eigen::Index>(r)];
+        }
       }
+    }
+    for (Radius& radius : radii_) {
       const double best = *std::max_element(radius.evidence.begin(), radius.evidence.end());
       for (double& e : radius.evidence) e = std::min(best, kMostEvidence) + std::max(e - best, -kMostLoss);
-      radii_.push_back(std::move(radius));
     }
   }
 
@@ -180,8 +234,10 @@ class Evidence {
   void judge(const Vec4& change, OutlineFit& fit) const {
     int supporting = 0;
     double squares = 0;
+    fit.octants = {};
     for (const Radius& radius : radii_) {
       const double here = shift_of(radius, change);
+      fit.octants[octant_of(radius.shift_from_change)] += at(radius, here);
       double best = here;
       for (double s = here - 1.5; s <= here + 1.5; s += 0.125) {
         if (at(radius, s) > at(radius, best)) best = s;
@@ -200,6 +256,9 @@ class Evidence {
     std::vector<double> evidence;  ///< one a shift
   };
 
+  static std::size_t octant_of(const Vec4& out) {
+    return static_cast<std::size_t>(std::floor((std::atan2(out[1], out[0]) + kPi) / kPi * 4)) % 8;
+  }
   static double shift_of(const Radius& radius, const Vec4& change) { return radius.shift_from_change.dot(change); }
   double at(const Radius& radius, double shift) const {
     const double position =
@@ -213,42 +272,63 @@ class Evidence {
   std::vector<Radius> radii_;
 };
 
-/// Climbs to the change with the most evidence: every combination of a coarse grid, then ever smaller steps.
-Vec4 best_change(const Evidence& evidence, double range, bool elongates) {
-  Vec4 best = Vec4::Zero();
-  double most = -1e9;
-  const auto consider = [&](const Vec4& change) {
-    const double e = evidence.mean(change);
-    if (e <= most) return false;
-    most = e;
-    best = change;
-    return true;
-  };
+/// The ways to go from a place: along each axis, and along each diagonal, since a side of the outline that tells
+/// nothing leaves a ridge of circles that differ in centre and radius at once.
+std::vector<Vec4> ways_to_go(bool elongates) {
+  std::vector<Vec4> ways;
+  for (int code = 0; code < 81; ++code) {
+    Vec4 way(code % 3 - 1, code / 3 % 3 - 1, code / 9 % 3 - 1, code / 27 - 1);
+    if (way.isZero() || (!elongates && way[3] != 0)) continue;
+    way[2] -= 0.5 * way[3];  // longer one way, the other way shorter
+    ways.push_back(way);
+  }
+  return ways;
+}
+
+struct Summit {
+  double evidence = -std::numeric_limits<double>::infinity();
+  Vec4 change = Vec4::Zero();
+};
+
+/// By ever smaller steps.
+Summit climbed(const Evidence& evidence, Summit from, double range, const std::vector<Vec4>& ways) {
+  for (double step = 0.5; step > 0.01; step *= 0.5) {
+    for (bool moved = true; moved;) {
+      moved = false;
+      Summit best = from;
+      for (const Vec4& way : ways) {
+        const Vec4 change = from.change + step * way;
+        if (change.cwiseAbs().maxCoeff() > range) continue;
+        if (const double e = evidence.mean(change); e > best.evidence) best = {e, change};
+      }
+      moved = best.evidence > from.evidence;
+      from = best;
+    }
+  }
+  return from;
+}
+
+/// The places of a coarse grid with the most evidence, the best first.
+std::vector<Summit> best_of_grid(const Evidence& evidence, double range, bool elongates, std::size_t count) {
   constexpr double kCoarse = 1;
+  std::vector<Summit> grid;
   const double longest = elongates ? range : 0;
   for (double longer = -longest; longer <= longest; longer += 2 * kCoarse) {
     for (double dr = -range; dr <= range; dr += kCoarse) {
       for (double dx = -range; dx <= range; dx += kCoarse) {
         for (double dy = -range; dy <= range; dy += kCoarse) {
-          if (std::abs(dr + 0.5 * longer) + std::hypot(dx, dy) <= range) consider({dx, dy, dr, longer});
+          if (std::abs(dr + 0.5 * longer) + std::hypot(dx, dy) > range) continue;
+          const Vec4 change(dx, dy, dr, longer);
+          grid.push_back({evidence.mean(change), change});
         }
       }
     }
   }
-  const int axes = elongates ? 4 : 3;
-  for (double step = 0.5 * kCoarse; step > 0.005; step *= 0.5) {
-    for (bool moved = true; moved;) {
-      moved = false;
-      for (int axis = 0; axis < axes; ++axis) {
-        for (const double sign : {-1.0, 1.0}) {
-          Vec4 change = best + sign * step * Vec4::Unit(axis);
-          if (axis == 3) change[2] -= 0.5 * sign * step;  // longer one way, the other way shorter
-          if (change.cwiseAbs().maxCoeff() <= range) moved = consider(change) || moved;
-        }
-      }
-    }
-  }
-  return best;
+  const auto more = [](const Summit& a, const Summit& b) { return a.evidence > b.evidence; };
+  count = std::min(count, grid.size());
+  std::partial_sort(grid.begin(), grid.begin() + static_cast<std::ptrdiff_t>(count), grid.end(), more);
+  grid.resize(count);
+  return grid;
 }
 
 }  // namespace
@@ -256,30 +336,54 @@ Vec4 best_change(const Evidence& evidence, double range, bool elongates) {
 OutlineModel::OutlineModel(const OutlineSearch& search)
     : search_(search), tables_(std::make_shared<const Tables>(search)) {}
 
-OutlineFit OutlineModel::fit(View<const float> luminance, const Ellipse& guess, bool elongates) const {
-  std::vector<Profile> profiles = read_profiles(luminance, guess, search_.radii, tables_->half_window);
+OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates) const {
+  Profiles profiles = read_profiles(picture, guess, search_.radii, tables_->half_window);
   OutlineFit fit;
   fit.in_frame = static_cast<double>(profiles.size()) / search_.radii;
   fit.radii = static_cast<int>(profiles.size());
   fit.outline = guess;
-  if (profiles.empty()) return fit;
-  for (Profile& profile : profiles) {
-    profile.without_outline = -std::numeric_limits<double>::infinity();
-    for (const ProfileLikelihood& likelihood : tables_->without) {
-      profile.without_outline =
-          std::max(profile.without_outline, likelihood(profile.values, search_.noise * search_.noise));
+  if (profiles.size() == 0) return fit;
+  for (std::size_t k = 0; k < kSights; ++k) {
+    Eigen::ArrayXd& best = profiles.without_outline[k];
+    best =
+        Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(profiles.size()), -std::numeric_limits<double>::infinity());
+    for (const ProfileLikelihood& without : tables_->without) {
+      best = best.max(without(profiles.sights[k], noise_floor(search_.noise, k)));
     }
   }
-  fit.evidence = -std::numeric_limits<double>::infinity();
+  // Only the clocks that the grid finds best are looked at closely.
+  constexpr std::size_t kClocks = 3;
+  struct Candidate {
+    Evidence evidence;
+    std::vector<Summit> starts;
+  };
+  std::vector<Candidate> candidates;
   for (const auto& outline : tables_->with) {
-    const Evidence evidence(profiles, outline, search_);
-    const Vec4 change = best_change(evidence, search_.range_px, elongates);
-    if (evidence.mean(change) <= fit.evidence) continue;
-    fit.evidence = evidence.mean(change);
-    fit.outline = {guess.centre + change.head<2>(), guess.along, guess.major + change[2] + change[3],
-                   guess.minor + change[2]};
-    evidence.judge(change, fit);
+    Evidence evidence(profiles, outline, search_);
+    std::vector<Summit> starts = best_of_grid(evidence, search_.range_px, elongates, search_.starts);
+    candidates.push_back({std::move(evidence), std::move(starts)});
   }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.starts.front().evidence > b.starts.front().evidence;
+  });
+  candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(std::min(kClocks, candidates.size())),
+                   candidates.end());
+  const std::vector<Vec4> ways = ways_to_go(elongates);
+  const Evidence* judge = nullptr;
+  Summit best;
+  for (const Candidate& candidate : candidates) {
+    for (const Summit& start : candidate.starts) {
+      const Summit summit = climbed(candidate.evidence, start, search_.range_px, ways);
+      if (summit.evidence <= best.evidence) continue;
+      best = summit;
+      judge = &candidate.evidence;
+    }
+  }
+  fit.evidence = best.evidence;
+  const Vec4& change = best.change;
+  fit.outline = {guess.centre + change.head<2>(), guess.along, guess.major + change[2] + change[3],
+                 guess.minor + change[2]};
+  if (judge) judge->judge(change, fit);
   return fit;
 }
 

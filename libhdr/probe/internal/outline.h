@@ -6,6 +6,7 @@
 // distance to the rim. Take radiance along a radius for a random walk: outside its clock runs evenly, inside as
 // sqrt(x), and where the clock changes is the outline. A step there (a tarnished sphere, a far camera's backdrop) is
 // allowed, but a step alone is the edge of something else and counts as no evidence.
+#include <array>
 #include <memory>
 
 #include "libhdr/core/image.h"
@@ -20,6 +21,7 @@ struct OutlineFit {
   double in_frame = 0;     ///< share of the outline that the picture shows
   double residual_px = 0;  ///< rms distance of the supporting radii's own best places from the outline
   int radii = 0;           ///< that the picture shows
+  std::array<double, 8> octants{};  ///< the evidence of all radii, summed by the eighth of the picture they point into
 };
 
 struct OutlineSearch {
@@ -28,14 +30,21 @@ struct OutlineSearch {
   double range_px = 4;     ///< how far the outline may be from the first guess
   double step_px = 0.125;  ///< the places along a profile that are tried
   double noise = 1e-3;     ///< standard deviation of a pixel, as a share of its value
+  std::size_t starts = 1;  ///< places of a coarse grid from which the best one is sought
 };
 
-/// Finds the outline near a guess with the most evidence in a picture of luminance.
+/// A picture in which outlines are sought: one channel each, above 0, of one size. Red and blue tell where the colour
+/// changes.
+struct OutlinePicture {
+  View<const float> luminance, red, blue;
+};
+
+/// Finds the outline near a guess with the most evidence.
 class OutlineModel {
  public:
   explicit OutlineModel(const OutlineSearch& search);
   /// `elongates`: the larger half-axis is sought, too; else both grow alike.
-  OutlineFit fit(View<const float> luminance, const Ellipse& guess, bool elongates = false) const;
+  OutlineFit fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates = false) const;
 
   struct Tables;
 
