@@ -101,14 +101,19 @@ Ellipse pointing_at_middle(const Ellipse& outline, Size size) {
   return result;
 }
 
-/// Whether an outline holds a sphere's reflection, judged in a picture in which its texture is well resolved.
+/// Whether an outline holds a sphere's reflection, judged in a picture in which its texture is well resolved, or else
+/// in the next finer one: what is fine (stars, leaves) is blurred away in the first, what is coarse is noisy in the
+/// second.
 bool holds_reflection(const std::vector<Image<float>>& levels, const Ellipse& outline) {
   constexpr double kResolvedRadius = 220;
   std::size_t level = 0;
   while (level + 1 < levels.size() && std::ldexp(outline.minor, -static_cast<int>(level)) > kResolvedRadius) ++level;
-  const Ellipse there = scaled(outline, std::ldexp(1.0, -static_cast<int>(level)));
-  const Disc disc{there.centre.x(), there.centre.y(), there.minor};
-  return internal::is_mirrored(internal::rim_stretch(levels[level], disc, noise_of(levels[level])));
+  const auto mirrored_in = [&](std::size_t k) {
+    const Ellipse there = scaled(outline, std::ldexp(1.0, -static_cast<int>(k)));
+    const Disc disc{there.centre.x(), there.centre.y(), there.minor};
+    return internal::is_mirrored(internal::rim_stretch(levels[k], disc, noise_of(levels[k])));
+  };
+  return mirrored_in(level) || (level > 0 && mirrored_in(level - 1));
 }
 
 /// A circle beside a lamp's, which crosses its edge and so has slopes all over, is no better than the lamp's own.
