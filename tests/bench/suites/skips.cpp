@@ -173,7 +173,7 @@ void of_shadow_rays(Bench& bench) {
   Scene other = sphere_alone(Material{});
   // A speck far behind the camera: nothing is proven any more, and nothing changes.
   other.meshes.push_back(sphere_mesh(other.camera.eye * 100.0f, 1e-4f, Material{}, 3));
-  const Size size = bench.pick(Size{160, 120}, Size{640, 480});
+  const Size size = bench.pick(Size{320, 240}, Size{640, 480});
   pair(
       bench, {"shadow rays where nothing can occlude", "a convex scene", 0.01}, size,
       [&] { return rendered(alone, light, "mis", size, 32, 1).picture.rgb.clone(); },
@@ -204,8 +204,8 @@ void of_converged_pixels(Bench& bench) {
   const Scene scene = lit_scene(bench);
   RenderOptions options;
   options.method = RenderMethod::kMis;
-  options.size = bench.pick(Size{80, 60}, Size{400, 300});
-  options.samples = bench.pick(128, 512);
+  options.size = bench.pick(Size{200, 150}, Size{400, 300});
+  options.samples = bench.pick(256, 512);
   RenderOptions enough = options;
   enough.error = 0.05;
   pair(
