@@ -28,7 +28,7 @@
 #include "libhdr/io/demosaic.h"       // three colours from a Bayer mosaic
 #include "libhdr/io/dng.h"            // raw photographs in files
 #include "libhdr/io/exposure_list.h"  // exposures from a text file
-#include "libhdr/io/map_scale.h"      // the unit of a map that was written
+#include "libhdr/io/map_scale.h"      // what a map that was written says: its unit, its camera's field
 #include "libhdr/io/read.h"           // read_photo, read_map, read_info
 #include "libhdr/io/write.h"          // write_map, write_picture, write_photo
 #include "libhdr/io/write_layers.h"   // an EXR with more layers
