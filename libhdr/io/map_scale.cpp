@@ -23,8 +23,9 @@ MapScale read_map_scale(const Path& path) {
   return scale;
 }
 
-std::optional<double> read_camera_fov(const Path& path) {
+std::optional<double> read_camera_fov(const Path& path, Size size) {
   const OIIO::ImageSpec spec = internal::open_picture(path)->spec();
+  if (spec.width != size.width || spec.height != size.height) return std::nullopt;
   const auto degrees = positive(std::strtod(spec.get_string_attribute("hdr:camera_fov").c_str(), nullptr));
   return degrees && *degrees < 180 ? degrees : std::nullopt;
 }

@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 
+#include "libhdr/core/image.h"
 #include "libhdr/core/photo.h"
 
 namespace hdr {
@@ -17,8 +18,8 @@ struct MapScale {
 /// From the header of `path`; no pixel is decoded. Throws Error when it is not a picture.
 MapScale read_map_scale(const Path& path);
 
-/// The horizontal field, degrees, of the camera whose photographs were merged to a map: hdr:camera_fov. Throws as
-/// above.
-std::optional<double> read_camera_fov(const Path& path);
+/// The horizontal field, degrees, of the camera whose photographs were merged to a map: hdr:camera_fov. Absent when the
+/// file does not say it, or is not of this size: a part of the map has another field. Throws as above.
+std::optional<double> read_camera_fov(const Path& path, Size size);
 
 }  // namespace hdr

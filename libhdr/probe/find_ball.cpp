@@ -44,20 +44,12 @@ Image<float> raised(Image<float> channel) {
   return channel;
 }
 
-Image<float> channel_of(View<const float> rgb, int channel) {
-  Image<float> result(rgb.width(), rgb.height(), 1);
-  for (int y = 0; y < rgb.height(); ++y) {
-    for (int x = 0; x < rgb.width(); ++x) result(x, y) = std::max(0.0f, rgb(x, y, channel));
-  }
-  return result;
-}
-
 /// The picture in halves of halves, the finest first.
 struct Levels {
   explicit Levels(View<const float> rgb)
       : luminance(internal::halvings(raised(internal::luminance_of(rgb)), kCoarseSide, kLeastSide)),
-        red(internal::halvings(raised(channel_of(rgb, 0)), kCoarseSide, kLeastSide)),
-        blue(internal::halvings(raised(channel_of(rgb, 2)), kCoarseSide, kLeastSide)) {}
+        red(internal::halvings(raised(internal::channel_of(rgb, 0)), kCoarseSide, kLeastSide)),
+        blue(internal::halvings(raised(internal::channel_of(rgb, 2)), kCoarseSide, kLeastSide)) {}
 
   std::size_t size() const { return luminance.size(); }
   internal::OutlinePicture at(std::size_t level) const { return {luminance[level], red[level], blue[level]}; }

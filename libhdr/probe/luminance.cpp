@@ -9,18 +9,35 @@
 
 namespace hdr::internal {
 
-Image<float> luminance_of(View<const float> picture) {
+namespace {
+
+/// NaN becomes 0.
+float within_bounds(float value) {
   constexpr float kMost = 1e30f;
+  return std::min(std::max(0.0f, value), kMost);
+}
+
+}  // namespace
+
+Image<float> luminance_of(View<const float> picture) {
   Image<float> result(picture.size(), 1);
   for_rows(picture.height(), 16, [&](int first, int last) {
     for (int y = first; y < last; ++y) {
       for (int x = 0; x < picture.width(); ++x) {
         const float* p = picture.pixel(x, y);
         const float value = picture.channels() < 3 ? p[0] : static_cast<float>(luminance(p[0], p[1], p[2]));
-        result(x, y) = std::min(std::max(0.0f, value), kMost);  // NaN becomes 0
+        result(x, y) = within_bounds(value);
       }
     }
   });
+  return result;
+}
+
+Image<float> channel_of(View<const float> picture, int channel) {
+  Image<float> result(picture.size(), 1);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) result(x, y) = within_bounds(picture(x, y, channel));
+  }
   return result;
 }
 

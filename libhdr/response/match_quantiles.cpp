@@ -13,8 +13,8 @@ namespace hdr {
 namespace {
 
 constexpr int kBins = 1024;  ///< of codes deeper than that
-constexpr double kPixels =
-    512 * 512;  ///< looked at, evenly spread, the same ones of each shot: a rank is known to .1 %
+/// Looked at, evenly spread, the same ones of each shot: a rank is known to .1 %.
+constexpr double kPixels = 512 * 512;
 
 using Counts = std::vector<std::int64_t>;
 
@@ -32,8 +32,8 @@ Counts counted_codes(const Photo& photo) {
     const auto count_rows = [&](int first, int last) {
       Counts part(3 * bins);
       for (int y = first * step; y < std::min(image.height(), last * step); y += step) {
-        const auto* p = image.row(y);
-        for (int x = 0; x < image.width(); x += step, p += 3 * step) {
+        for (int x = 0; x < image.width(); x += step) {
+          const auto* p = image.pixel(x, y);
           ++part[static_cast<std::size_t>(p[0] >> shift)];
           ++part[bins + static_cast<std::size_t>(p[1] >> shift)];
           ++part[2 * bins + static_cast<std::size_t>(p[2] >> shift)];

@@ -24,7 +24,7 @@ bool is_whole_frame(Size size) {
 
 std::optional<double> camera_field(const std::string& file, Size size) {
   try {
-    if (!is_photo_name(file)) return read_camera_fov(file);
+    if (!is_photo_name(file)) return read_camera_fov(file, size);
     const PhotoHeader header = read_photo_header(file);
     if (header.size == size && (header.fov_by_sensor || is_whole_frame(size))) return header.fov_degrees;
   } catch (const Error&) {  // a radiance map in a TIFF has no camera

@@ -225,8 +225,10 @@ void UnwrapFlags::declare(CLI::App& app) {
   app.add_option("--to", to, "what to write: the same, and cube-cross-vertical")->capture_default_str();
   app.add_option("--width", width, "width to write, pixels")->check(CLI::Range(1, 65536))->capture_default_str();
   app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")->capture_default_str();
-  app.add_option("--distance", distance,
-                 "camera to the ball's centre, in ball radii (default: by EXIF's focal length, else far)");
+  app.add_option(
+      "--distance", distance,
+      "camera to the ball's centre, in ball radii (default: by the focal length in EXIF, of a photograph or of those "
+      "that were merged, else far)");
   app.add_option(
       "--camera-fov", camera_fov,
       "horizontal field of the whole photograph that shows the ball, degrees: gives the distance, and the true "

@@ -81,7 +81,7 @@ StitchInput read_picture(Run& run, const std::string& name) {
     input.fov_degrees = camera->fov_degrees;
   }
   if (!is_photo_name(name)) {
-    if (!input.fov_degrees) input.fov_degrees = read_camera_fov(name);
+    if (!input.fov_degrees) input.fov_degrees = read_camera_fov(name, input.map.size());
     for (const std::string& warning : read.warnings) run.warn(warning);
     return input;
   }

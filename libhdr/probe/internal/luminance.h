@@ -10,6 +10,9 @@ namespace hdr::internal {
 /// Luminance of RGB (one or two channels: the first). NaN and negative values become 0, infinity a large number.
 Image<float> luminance_of(View<const float> picture);
 
+/// One channel, its values bounded likewise.
+Image<float> channel_of(View<const float> picture, int channel);
+
 /// Half the size: each pixel the mean of four; an odd last row or column is left out.
 Image<float> halved(View<const float> picture);
 

@@ -58,6 +58,23 @@ INSTANTIATE_TEST_SUITE_P(Rooms, FindBall,
                                          Case{3, {{254.4, 511.6, 231}, kFar}, 50, 0.01},
                                          Case{4, {{512.9, 333.2, 300}, 5}, 35, 0.005}));
 
+// Suns of maps that were merged by others: a channel may be without bound, or no number.
+TEST(FindBallInNumbers, InfinityAndNaNAtTheRimDoNotHideIt) {
+  const MirrorBall ball{{640.7, 250.1, 120}, 12};
+  Image<float> picture = photograph_ball(test::latlong_of(512, test::SoftRoom(2, 0.5)), {1000, 750}, ball, 35);
+  add_noise(picture, 0.005, 2);
+  for (int k = 0; k < 36; ++k) {
+    const double angle = k * 10 * kDegree;
+    const auto x = static_cast<int>(ball.disc.cx + ball.disc.r * std::cos(angle));
+    const auto y = static_cast<int>(ball.disc.cy + ball.disc.r * std::sin(angle));
+    picture(x, y, k % 2 ? 0 : 2) = k % 3 ? std::numeric_limits<float>::infinity() : NAN;
+  }
+  const auto found = find_ball(picture);
+  ASSERT_TRUE(found);
+  EXPECT_LT(std::hypot(found->ball.disc.cx - ball.disc.cx, found->ball.disc.cy - ball.disc.cy), 1);
+  EXPECT_NEAR(found->ball.disc.r, ball.disc.r, 1);
+}
+
 TEST(FindBallInNothing, ARoomWithoutABallHasNone) {
   for (const std::uint64_t seed : {11u, 12u, 13u}) {
     const Image<float> scene = test::latlong_of(512, test::SoftRoom(seed, 0.5));
