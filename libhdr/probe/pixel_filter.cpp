@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/kernel.h"
@@ -26,48 +27,92 @@ PixelFilter::PixelFilter(const Neighbourhood& source, const SourcePicture& bilin
       sum_(static_cast<std::size_t>(source.pixels().channels())),
       value_(sum_.size()) {}
 
+/// Adds `count` pixels of a row, a weight each; the sum of the weights. Three channels stay in registers.
+template <PixelFilter::Of kOf>
+double PixelFilter::add_pixels(const float* pixel, const double* weights, int count, double scale) {
+  const auto term = [&](double weight, float value) {
+    const double product = weight * static_cast<double>(value);
+    return kOf == Of::kValues ? product : product * product;
+  };
+  double sum = 0;
+  if (sum_.size() == 3) {
+    double r = 0, g = 0, b = 0;
+    for (int k = 0; k < count; ++k, pixel += 3) {
+      const double weight = scale * weights[k];
+      sum += weight;
+      r += term(weight, pixel[0]);
+      g += term(weight, pixel[1]);
+      b += term(weight, pixel[2]);
+    }
+    sum_[0] += r;
+    sum_[1] += g;
+    sum_[2] += b;
+    return sum;
+  }
+  for (int k = 0; k < count; ++k) {
+    const double weight = scale * weights[k];
+    sum += weight;
+    for (double& channel : sum_) channel += term(weight, *pixel++);
+  }
+  return sum;
+}
+
 template <PixelFilter::Of kOf, class Kernel>
 PixelFilter::Sums PixelFilter::add(int region, const Vec2& px, const KernelShape& shape) {
   const View<const float> pixels = source_.pixels();
   const double x = px.x() - 0.5, y = px.y() - 0.5;
-  const int channels = pixels.channels();
   // Beyond the circle itself a row would be weighed again.
   const double most_across = source_.is_latlong() ? pixels.width() / (2.0 * Kernel::kReach) : 1e9;
   std::fill(sum_.begin(), sum_.end(), 0.0);
   Sums sums;
   const double half_height = Kernel::kReach * shape.down;
-  for (int j = static_cast<int>(std::ceil(y - half_height)); j <= y + half_height; ++j) {
+  for (int j = ceil_of(y - half_height); j <= y + half_height; ++j) {
     const double row_weight = Kernel::at((j - y) / shape.down);
     if (row_weight == 0) continue;
     const double wider = source_.is_latlong() ? widening(j, px.y(), pixels.height()) : 1;
     const double across = std::min(std::max(1.0, shape.across * wider), most_across);
     const double middle = x + shape.shear * wider * (j - y), half = Kernel::kReach * across;
-    const int first = static_cast<int>(std::ceil(middle - half)), last = static_cast<int>(std::floor(middle + half));
+    const int first = ceil_of(middle - half), last = floor_of(middle + half);
     const Neighbourhood::Span plain = source_.plain_in_row(region, j);
+    const int begin = std::clamp(plain.first, first, last + 1), end = std::clamp(plain.last, begin, last + 1);
+    weights_.resize(static_cast<std::size_t>(std::max(0, last - first + 1)));
+    const double narrower = 1 / across;
+    const auto weigh = [&](int from, int to) {
+      for (int i = from; i < to; ++i)
+        weights_[static_cast<std::size_t>(i - first)] = Kernel::at((i - middle) * narrower);
+    };
     // Each row counts as its weight says, however many of its pixels the kernel meets.
     double in_row = 0;
-    weights_.resize(static_cast<std::size_t>(std::max(0, last - first + 1)));
-    for (int i = first; i <= last; ++i) {
-      in_row += weights_[static_cast<std::size_t>(i - first)] = Kernel::at((i - middle) / across);
+    if constexpr (std::is_same_v<Kernel, TentKernel>) {
+      source_.ends_at_rim() ? weigh(begin, end) : weigh(first, last + 1);
+      in_row = TentKernel::sum(first, last, middle, narrower);
+    } else {
+      weigh(first, last + 1);
+      for (const double weight : weights_) in_row += weight;
     }
     if (std::abs(in_row) < 1e-6) continue;
     const double scale = row_weight / in_row;
-    for (int i = first; i <= last; ++i) {
-      const double weight = scale * weights_[static_cast<std::size_t>(i - first)];
-      if (weight == 0) continue;
-      sums.whole_weight += weight;
-      const bool in_place = i >= plain.first && i < plain.last;
-      const float* value = in_place ? pixels.pixel(i, j) : value_.data();
-      if (!in_place && (source_.ends_at_rim() || !source_.tap(region, i, j, value_.data()))) {
-        sums.missing = true;
-        continue;
-      }
-      sums.weight += weight;
-      for (int c = 0; c < channels; ++c) {
-        const double term = weight * static_cast<double>(value[c]);
-        sum_[static_cast<std::size_t>(c)] += kOf == Of::kValues ? term : term * term;
-      }
+    sums.whole_weight += row_weight;
+    if (begin < end) {
+      sums.weight += add_pixels<kOf>(pixels.pixel(begin, j), weights_.data() + (begin - first), end - begin, scale);
     }
+    if (source_.ends_at_rim()) {
+      sums.missing = sums.missing || begin > first || end <= last;
+      continue;
+    }
+    const auto add_taps = [&](int from, int to) {
+      for (int i = from; i < to; ++i) {
+        const double* weight = &weights_[static_cast<std::size_t>(i - first)];
+        if (*weight == 0) continue;
+        if (!source_.tap(region, i, j, value_.data())) {
+          sums.missing = true;
+        } else {
+          sums.weight += add_pixels<kOf>(value_.data(), weight, 1, scale);
+        }
+      }
+    };
+    add_taps(first, begin);
+    add_taps(end, last + 1);
   }
   return sums;
 }

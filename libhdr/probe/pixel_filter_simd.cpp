@@ -83,52 +83,91 @@ HWY_INLINE VF weight(VF t) {
   }
 }
 
+/// Sums over a kernel, eight pixels at a time: of each of their 24 floats and of their weights, added up at the end, in
+/// one order whatever the number of lanes.
+template <class Kernel>
+class KernelSums {
+ public:
+  static constexpr int kPixels = 8;
+
+  HWY_INLINE KernelSums() {
+    for (VF& sum : rgb_) sum = hn::Zero(f);
+    for (VF& sum : weights_) sum = hn::Zero(f);
+    for (int j = 0; j < 3; ++j) {
+      alignas(32) std::int32_t pixel[kLanes];
+      for (int k = 0; k < kLanes; ++k) pixel[k] = (j * kLanes + k) / 3;
+      std::copy_n(pixel, kLanes, spread_ + j * kLanes);
+    }
+  }
+
+  /// Pixels i .. i + 7 of a row at `source`, of which those below `from` and above `last` do not count: what lies there
+  /// is read, but may be anything. `middle` is where the kernel's middle crosses the row.
+  template <bool kPart>
+  HWY_INLINE void add(const float* source, int i, int from, int last, float middle, float per_pixel, float row_weight) {
+    for (int g = 0; g < kGroups; ++g) {
+      const VF px = hn::Add(hn::Set(f, static_cast<float>(i + g * kLanes)), hn::Iota(f, 0));
+      VF w = weight<Kernel>(hn::Mul(hn::Sub(px, hn::Set(f, middle)), hn::Set(f, per_pixel)));
+      w = hn::Mul(w, hn::Set(f, row_weight));
+      if constexpr (kPart) {
+        const auto counts =
+            hn::And(hn::Ge(px, hn::Set(f, static_cast<float>(from))), hn::Le(px, hn::Set(f, static_cast<float>(last))));
+        w = hn::IfThenElseZero(counts, w);
+      }
+      weights_[g] = hn::Add(weights_[g], w);
+      const float* p = source + 3 * (static_cast<std::ptrdiff_t>(i) + g * kLanes);
+      for (int j = 0; j < 3; ++j) {
+        const VF spread = hn::TableLookupLanes(w, hn::SetTableIndices(f, spread_ + j * kLanes));
+        VF product = hn::Mul(spread, hn::LoadU(f, p + j * kLanes));
+        if constexpr (kPart) product = hn::IfThenElseZero(hn::Ne(spread, hn::Zero(f)), product);
+        rgb_[3 * g + j] = hn::Add(rgb_[3 * g + j], product);
+      }
+    }
+  }
+
+  HWY_INLINE void write(float floor, float* rgb) const {
+    alignas(32) float floats[3 * kPixels], weights[kPixels];
+    for (int k = 0; k < 3 * kGroups; ++k) hn::Store(rgb_[k], f, floats + k * kLanes);
+    for (int k = 0; k < kGroups; ++k) hn::Store(weights_[k], f, weights + k * kLanes);
+    float total = 0;
+    for (const float w : weights) total += w;
+    for (int c = 0; c < 3; ++c) {
+      float sum = 0;
+      for (int k = 0; k < kPixels; ++k) sum += floats[3 * k + c];
+      rgb[c] = std::max(sum / total, floor);
+    }
+  }
+
+ private:
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(f)), kGroups = kPixels / kLanes;
+  VF rgb_[3 * kGroups], weights_[kGroups];
+  alignas(32) std::int32_t spread_[3 * kLanes];  ///< which pixel's each float of three vectors is
+};
+
 template <class Kernel>
 HWY_INLINE void filter_pixel(const RowTask& task, int index, float* rgb) {
+  constexpr int kPixels = KernelSums<Kernel>::kPixels;
   const TilePixels& p = *task.pixels;
   const float x = p.x[index], y = p.y[index], across = p.across[index], down = p.down[index], shear = p.shear[index];
   const float half_height = Kernel::kReach * down, half_width = Kernel::kReach * across;
   const int first_row = static_cast<int>(std::ceil(y - half_height));
   const int last_row = static_cast<int>(std::floor(y + half_height));
-  const VF per_pixel = hn::Set(f, 1 / across);
-  const int lanes = static_cast<int>(hn::Lanes(f));
-  const VF lane = hn::Iota(f, 0);
-  Four sum;
-  float total = 0;
-  alignas(32) float weights[8];
+  KernelSums<Kernel> sums;
   for (int j = first_row; j <= last_row; ++j) {
-    const float dy = static_cast<float>(j) - y;
-    const float row_weight = static_cast<float>(Kernel::at(dy / down));
-    const float middle = x + shear * dy;
+    const float dy = static_cast<float>(j) - y, middle = x + shear * dy;
+    const auto row_weight = static_cast<float>(Kernel::at(dy / down));
     const int first = static_cast<int>(std::ceil(middle - half_width));
     const int last = static_cast<int>(std::floor(middle + half_width));
     const float* row = task.source + j * task.stride;
-    Four even, odd;
-    float in_row = 0;
-    for (int i = first; i <= last; i += lanes) {
-      const VF t = hn::Mul(hn::Add(hn::Set(f, static_cast<float>(i) - middle), lane), per_pixel);
-      hn::Store(weight<Kernel>(t), f, weights);
-      const int count = std::min(lanes, last - i + 1);
-      const float* pixel = row + 3 * i;
-      int k = 0;
-      for (; k + 1 < count; k += 2, pixel += 6) {
-        even.add(weights[k], pixel);
-        odd.add(weights[k + 1], pixel + 3);
-        in_row += weights[k] + weights[k + 1];
-      }
-      if (k < count) {
-        even.add(weights[k], pixel);
-        in_row += weights[k];
-      }
+    int i = first;
+    for (; i + kPixels - 1 <= last; i += kPixels) {
+      sums.template add<false>(row, i, first, last, middle, 1 / across, row_weight);
     }
-    sum.add(row_weight, even, odd);
-    total += row_weight * in_row;
+    if (i > last) continue;
+    // The last pixels of the row again, or what lies beside a short one.
+    const int start = std::clamp(last - kPixels + 1, 0, task.width - kPixels);
+    sums.template add<true>(row, start, i, last, middle, 1 / across, row_weight);
   }
-  float values[4];
-  sum.store(1 / total, task.floor, values);
-  rgb[0] = values[0];
-  rgb[1] = values[1];
-  rgb[2] = values[2];
+  sums.write(task.floor, rgb);
 }
 
 /// The eight weights of a position between samples: lane k is the sample k - 3 away. Each is a polynomial of the
@@ -170,35 +209,70 @@ HWY_INLINE void eight_weights(const EightWeights& table, float fraction, float* 
   }
 }
 
-/// Down first: eight rows of eight pixels become one, which lies in a few registers.
-HWY_INLINE void interpolate_pixel(const RowTask& task, const EightWeights& table, int index, float* rgb) {
-  const float x = task.pixels->x[index], y = task.pixels->y[index];
-  const float left = std::floor(x), top = std::floor(y);
-  constexpr int kFloats = 24;
-  alignas(32) float across[8], down[8], row[kFloats + 8];
-  eight_weights(table, x - left, across);
-  eight_weights(table, y - top, down);
-  const float* source =
-      task.source + (static_cast<std::ptrdiff_t>(top) - 3) * task.stride + 3 * (static_cast<std::ptrdiff_t>(left) - 3);
-  for (int k = 0; k < kFloats; k += static_cast<int>(hn::Lanes(f))) {
-    const float* p = source + k;
-    VF even = hn::Mul(hn::Set(f, down[0]), hn::LoadU(f, p));
-    VF odd = hn::Mul(hn::Set(f, down[1]), hn::LoadU(f, p + task.stride));
-    for (int j = 2; j < 8; j += 2) {
-      even = mul_add(hn::Set(f, down[j]), hn::LoadU(f, p + j * task.stride), even);
-      odd = mul_add(hn::Set(f, down[j + 1]), hn::LoadU(f, p + (j + 1) * task.stride), odd);
-    }
-    hn::Store(hn::Add(even, odd), f, row + k);
+/// Eight rows of the vector at p, weighed.
+HWY_INLINE VF eight_rows(const float* p, std::ptrdiff_t stride, const float* down) {
+  VF even = hn::Mul(hn::Set(f, down[0]), hn::LoadU(f, p));
+  VF odd = hn::Mul(hn::Set(f, down[1]), hn::LoadU(f, p + stride));
+  for (int j = 2; j < 8; j += 2) {
+    even = mul_add(hn::Set(f, down[j]), hn::LoadU(f, p + j * stride), even);
+    odd = mul_add(hn::Set(f, down[j + 1]), hn::LoadU(f, p + (j + 1) * stride), odd);
   }
-  hn::Store(hn::Zero(f), f, row + kFloats);  // what the last pixel's fourth float is
+  return hn::Add(even, odd);
+}
+
+/// Eight pixels of three channels, weighed.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE Four eight_columns(const float* p, std::ptrdiff_t stride, const float* across, const float* down) {
+  float row[25];
+  for (int k = 0; k < 24; ++k) row[k] = eight_rows(p + k, stride, down).raw;
+  row[24] = 0;  // what the last pixel's fourth float is
   Four even, odd, total;
   for (int k = 0; k < 8; k += 2) {
     even.add(across[k], row + 3 * k);
     odd.add(across[k + 1], row + 3 * k + 3);
   }
   total.add(1, even, odd);
+  return total;
+}
+#else
+/// Out of registers: through memory, loads would begin between what was stored.
+HWY_INLINE Four eight_columns(const float* p, std::ptrdiff_t stride, const float* across, const float* down) {
+  constexpr auto four = Four::tag;
+  hn::Vec<hn::FixedTag<float, 4> > v[6];
+#if HWY_TARGET <= HWY_AVX2
+  for (int k = 0; k < 3; ++k) {
+    const VF both = eight_rows(p + 8 * k, stride, down);
+    v[2 * k] = hn::LowerHalf(four, both);
+    v[2 * k + 1] = hn::UpperHalf(four, both);
+  }
+#else
+  for (int k = 0; k < 6; ++k) v[k] = eight_rows(p + 4 * k, stride, down);
+#endif
+  Four even, odd, total;
+  even.add(across[0], v[0]);
+  odd.add(across[1], hn::CombineShiftRightBytes<12>(four, v[1], v[0]));
+  even.add(across[2], hn::CombineShiftRightBytes<8>(four, v[2], v[1]));
+  odd.add(across[3], hn::CombineShiftRightBytes<4>(four, v[3], v[2]));
+  even.add(across[4], v[3]);
+  odd.add(across[5], hn::CombineShiftRightBytes<12>(four, v[4], v[3]));
+  even.add(across[6], hn::CombineShiftRightBytes<8>(four, v[5], v[4]));
+  odd.add(across[7], hn::CombineShiftRightBytes<4>(four, v[5], v[5]));
+  total.add(1, even, odd);
+  return total;
+}
+#endif
+
+/// Down first: eight rows of eight pixels become one.
+HWY_INLINE void interpolate_pixel(const RowTask& task, const EightWeights& table, int index, float* rgb) {
+  const float x = task.pixels->x[index], y = task.pixels->y[index];
+  const float left = std::floor(x), top = std::floor(y);
+  alignas(32) float across[8], down[8];
+  eight_weights(table, x - left, across);
+  eight_weights(table, y - top, down);
+  const float* source =
+      task.source + (static_cast<std::ptrdiff_t>(top) - 3) * task.stride + 3 * (static_cast<std::ptrdiff_t>(left) - 3);
   float values[4];
-  total.store(1, task.floor, values);
+  eight_columns(source, task.stride, across, down).store(1, task.floor, values);
   rgb[0] = values[0];
   rgb[1] = values[1];
   rgb[2] = values[2];
@@ -245,16 +319,32 @@ HWY_INLINE Four spline_sum(const SplineRun& run, int k, const float* p, std::ptr
 /// Down first: four rows of four pixels become one of three vectors, out of which each pixel's is shifted.
 HWY_INLINE Four spline_sum(const SplineRun& run, int k, const float* p, std::ptrdiff_t stride) {
   constexpr auto four = Four::tag;
-  Four a, b, c, total;
-  for (int j = 0; j < 4; ++j, p += stride) {
-    a.add(run.down[j][k], p);
-    b.add(run.down[j][k], p + 4);
-    c.add(run.down[j][k], p + 8);
+#if HWY_TARGET <= HWY_AVX2  // the first two as one
+  const auto both_of = [](float weight, const float* at)
+                           HWY_ATTR { return hn::Mul(hn::Set(f, weight), hn::LoadU(f, at)); };
+  VF both = both_of(run.down[0][k], p);
+  Four last, total;
+  last.v = hn::Mul(hn::Set(four, run.down[0][k]), hn::LoadU(four, p + 8));
+  for (int j = 1; j < 4; ++j) {
+    p += stride;
+    both = hn::Add(both, both_of(run.down[j][k], p));
+    last.add(run.down[j][k], p + 8);
   }
-  total.add(run.across[0][k], a.v);
-  total.add(run.across[1][k], hn::CombineShiftRightBytes<12>(four, b.v, a.v));
-  total.add(run.across[2][k], hn::CombineShiftRightBytes<8>(four, c.v, b.v));
-  total.add(run.across[3][k], hn::CombineShiftRightBytes<4>(four, c.v, c.v));
+  const auto a = hn::LowerHalf(four, both), b = hn::UpperHalf(four, both), c = last.v;
+  total.v = hn::Mul(hn::Set(four, run.across[0][k]), a);
+#else
+  Four in_a, in_b, in_c, total;
+  for (int j = 0; j < 4; ++j, p += stride) {
+    in_a.add(run.down[j][k], p);
+    in_b.add(run.down[j][k], p + 4);
+    in_c.add(run.down[j][k], p + 8);
+  }
+  const auto a = in_a.v, b = in_b.v, c = in_c.v;
+  total.add(run.across[0][k], a);
+#endif
+  total.add(run.across[1][k], hn::CombineShiftRightBytes<12>(four, b, a));
+  total.add(run.across[2][k], hn::CombineShiftRightBytes<8>(four, c, b));
+  total.add(run.across[3][k], hn::CombineShiftRightBytes<4>(four, c, c));
   return total;
 }
 #endif
@@ -265,8 +355,13 @@ HWY_INLINE void spline_run(const RowTask& task, int index, int count, float* rgb
   const SplineTile& spline = *task.spline;
   for (int k = 0; k < count; ++k, rgb += 3) {
     const float* p = spline.at(static_cast<int>(run.left[k]) - 1, static_cast<int>(run.top[k]) - 1);
+    const Four sum = spline_sum(run, k, p, spline.stride());
+    if (k + 1 < count) {  // the next pixel overwrites the fourth
+      sum.store(1, task.floor, rgb);
+      continue;
+    }
     float values[4];
-    spline_sum(run, k, p, spline.stride()).store(1, task.floor, values);
+    sum.store(1, task.floor, values);
     rgb[0] = values[0];
     rgb[1] = values[1];
     rgb[2] = values[2];

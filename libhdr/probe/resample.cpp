@@ -100,9 +100,10 @@ class TileWorker {
       }
       if (doubts_) write_doubts(tile, polynomial.region, row);
       if (output_.channels() != 3) continue;
-      filter_row({source.data(), source.stride(), &pixels, kernels_.kinds(), row * Tile::kSide, tile.width,
-                  job_.contrast.nonnegative() ? 0.0f : -std::numeric_limits<float>::infinity(), &kernels_.spline()},
-                 out);
+      filter_row(
+          {source.data(), source.width(), source.stride(), &pixels, kernels_.kinds(), row * Tile::kSide, tile.width,
+           job_.contrast.nonnegative() ? 0.0f : -std::numeric_limits<float>::infinity(), &kernels_.spline()},
+          out);
     }
   }
 

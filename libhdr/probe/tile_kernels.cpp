@@ -172,9 +172,9 @@ bool TileKernels::is_smooth(const Part& part) {
   const View<const float> source = source_.pixels();
   float values[3 * 2 * kMostPlaces * kMostPlaces * kPoints];
   std::fill(place_kinds_, place_kinds_ + count, KernelKind::kInterpolated);
-  filter_row(
-      {source.data(), source.stride(), &places_, place_kinds_, 0, count, -std::numeric_limits<float>::infinity()},
-      values);
+  filter_row({source.data(), source.width(), source.stride(), &places_, place_kinds_, 0, count,
+              -std::numeric_limits<float>::infinity()},
+             values);
   for (int k = 0; k < count; k += kPoints) {
     for (int channel = 0; channel < 3; ++channel) {
       const float* v = values + 3 * k + channel;
@@ -198,7 +198,7 @@ KernelKind TileKernels::kind_of(int region, int index) const {
   const KernelShape shape = shape_of(index);
   const double reach = static_cast<double>(SharpKernel::kReach);
   const PixelBox box = box_around(here, reach_x(shape, reach), reach_y(shape, reach));
-  if (!affine(box)) return KernelKind::kNone;
+  if (!affine(box) || source_.pixels().width() < kLeastFilteredWidth) return KernelKind::kNone;
   if (!source_.is_plain(region, box)) {
     // Close to a ball's rim, which shows some pixels' worth of the scene
     // along thousands, nothing is left to alias.

@@ -22,7 +22,8 @@
 namespace hdr {
 namespace {
 
-constexpr Size kSize{1000, 750};
+Size frame{1000, 750};  // times --scale
+double radius_scale = 1;
 
 struct Place {
   std::string name;
@@ -52,19 +53,19 @@ void add_noise(Image<float>& picture, double share, std::uint64_t seed) {
 /// Within what a finder may be asked for: half a pixel in centre and radius.
 bool ball_case(const Place& place, std::uint64_t seed, bool tell) {
   Random random(seed, 21);
-  const double r = 100 + 230 * random.uniform(), d = std::exp(std::log(5.0) + random.uniform() * std::log(20.0));
+  const double r = radius_scale * (100 + 230 * random.uniform()), d = std::exp(std::log(5.0) + random.uniform() * std::log(20.0));
   MirrorBall ball{{0, 0, r}, d};
-  const double room_x = 0.5 * kSize.width - r - 8, room_y = 0.5 * kSize.height - r - 8;
-  ball.disc.cx = 0.5 * kSize.width + room_x * (2 * random.uniform() - 1) * 0.7;
-  ball.disc.cy = 0.5 * kSize.height + room_y * (2 * random.uniform() - 1) * 0.7;
+  const double room_x = 0.5 * frame.width - r - 8, room_y = 0.5 * frame.height - r - 8;
+  ball.disc.cx = 0.5 * frame.width + room_x * (2 * random.uniform() - 1) * 0.7;
+  ball.disc.cy = 0.5 * frame.height + room_y * (2 * random.uniform() - 1) * 0.7;
   if (random.uniform() < 0.3)
     ball.distance = std::numeric_limits<double>::infinity();
   else
-    ball.principal = Vec2(0.5 * kSize.width, 0.5 * kSize.height);
+    ball.principal = Vec2(0.5 * frame.width, 0.5 * frame.height);
   const double chrome = random.uniform() < 0.5 ? 1 : 0.5 + 0.4 * random.uniform();
   const Mat3 turn = rotation_from_degrees(random_turn(random));
   const Image<float> scene = with_photographer(place.map, 8, turn);
-  Image<float> picture = photograph_ball(scene, kSize, ball, 35, turn, Rgb::Constant(chrome));
+  Image<float> picture = photograph_ball(scene, frame, ball, 35, turn, Rgb::Constant(chrome));
   add_noise(picture, 0.002 + 0.008 * random.uniform(), seed);
   const auto found = find_ball(picture);
   const double centre = found ? std::hypot(found->ball.disc.cx - ball.disc.cx, found->ball.disc.cy - ball.disc.cy) : 99;
@@ -173,15 +174,15 @@ std::map<std::string, Radiance> round_things(Random& random, const Place& place)
 Image<float> picture_of_thing(const Place& place, std::uint64_t seed, const std::string& kind) {
   Random random(seed, 22);
   Image<float> view =
-      photograph_view(place.map, kSize, 40 + 25 * random.uniform(), rotation_from_degrees(random_turn(random)));
+      photograph_view(place.map, frame, 40 + 25 * random.uniform(), rotation_from_degrees(random_turn(random)));
   std::vector<float> values;
-  for (int y = 0; y < kSize.height; y += 4) {
-    for (int x = 0; x < kSize.width; x += 4) values.push_back(view(x, y, 1));
+  for (int y = 0; y < frame.height; y += 4) {
+    for (int x = 0; x < frame.width; x += 4) values.push_back(view(x, y, 1));
   }
   const double median = std::max(1e-9, static_cast<double>(median_of(values)));
-  const double r = 100 + 230 * random.uniform();
-  const Disc disc{0.5 * kSize.width + (0.5 * kSize.width - r - 8) * (2 * random.uniform() - 1) * 0.7,
-                  0.5 * kSize.height + (0.5 * kSize.height - r - 8) * (2 * random.uniform() - 1) * 0.7, r};
+  const double r = radius_scale * (100 + 230 * random.uniform());
+  const Disc disc{0.5 * frame.width + (0.5 * frame.width - r - 8) * (2 * random.uniform() - 1) * 0.7,
+                  0.5 * frame.height + (0.5 * frame.height - r - 8) * (2 * random.uniform() - 1) * 0.7, r};
   const Radiance radiance = round_things(random, place).at(kind);
   test::paint_round(view, disc, [&](const Vec2& p) { return median * radiance(p); });
   add_noise(view, 0.002 + 0.008 * random.uniform(), seed);
@@ -197,8 +198,10 @@ int run(int argc, char** argv) {
   app.add_option("--seeds", seeds, "cases a map (balls), a kind (other things)");
   app.add_option("--first-seed", first_seed);
   app.add_option("--only", only, "one kind");
+  app.add_option("--scale", radius_scale, "pictures and balls so much larger");
   app.add_flag("--tell", tell, "a line a case");
   CLI11_PARSE(app, argc, argv);
+  frame = {static_cast<int>(frame.width * radius_scale), static_cast<int>(frame.height * radius_scale)};
   std::vector<Place> places;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string extension = entry.path().extension().string();

@@ -10,6 +10,16 @@
 
 namespace hdr::internal {
 
+/// std::floor and std::ceil are calls where they are not instructions.
+inline int floor_of(double x) {
+  const int towards_zero = static_cast<int>(x);
+  return towards_zero - (static_cast<double>(towards_zero) > x);
+}
+inline int ceil_of(double x) {
+  const int towards_zero = static_cast<int>(x);
+  return towards_zero + (static_cast<double>(towards_zero) < x);
+}
+
 /// Cubic convolution on six points [Keys81]: a Hermite cubic through the
 /// samples whose slopes are differences over five, (kNear, kFar) at distance 1
 /// and 2. Keys's own slopes (-2/3, 1/12) are exact for polynomials of the
@@ -98,6 +108,15 @@ struct CardinalSplineKernel {
 struct TentKernel {
   static constexpr float kReach = 1;
   static double at(double t) { return std::max(0.0, 1 - std::abs(t)); }
+
+  /// Of at((i - middle) * narrower) for i = first .. last, all where it is not 0: two arithmetic series, up to the
+  /// middle and beyond it.
+  static double sum(int first, int last, double middle, double narrower) {
+    const int below = floor_of(middle);
+    const double left = below - first + 1, right = last - below, past = middle - below;
+    const double from_left = left * (past + 0.5 * (left - 1)), from_right = right * (0.5 * (right + 1) - past);
+    return left + right - (from_left + from_right) * narrower;
+  }
 };
 
 }  // namespace hdr::internal

@@ -42,6 +42,8 @@ class PixelFilter {
     bool missing = false;  ///< a tap that the picture does not show
   };
   enum class Of { kValues, kDeviations };
+  template <Of kOf>
+  double add_pixels(const float* pixel, const double* weights, int count, double scale);
   template <Of kOf, class Kernel>
   Sums add(int region, const Vec2& px, const KernelShape& shape);
   template <Of kOf>
@@ -76,10 +78,14 @@ TileBounds place_tile(const TilePolynomial& polynomial, const Tile& tile, TilePi
 /// Vectors may be read from a kernel's first pixels on, and so this many beyond its last: they must exist.
 inline constexpr int kReadBeyond = 1;
 
+/// Of a source for kSharp and kTent: they read eight pixels of a row at a time.
+inline constexpr int kLeastFilteredWidth = 8;
+
 /// Filters `count` pixels of one row of a tile, starting at plane index `first`, three channels, from a source of which
 /// every pixel under the kernels is plain. Results below `floor` are raised to it.
 struct RowTask {
   const float* source;
+  int width;  ///< of the source
   std::ptrdiff_t stride;
   const TilePixels* pixels;
   const KernelKind* kinds;  ///< like the planes; kNone: this pixel is not wanted

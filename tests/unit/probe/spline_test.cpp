@@ -38,8 +38,8 @@ std::vector<double> interpolated(const Image<float>& picture, const std::vector<
     pixels->y[k] = static_cast<float>(places[k].y());
   }
   std::vector<float> rgb(3 * places.size());
-  filter_row({picture.row(0), picture.stride(), pixels.get(), kinds.data(), 0, static_cast<int>(places.size()),
-              -std::numeric_limits<float>::infinity(), &spline},
+  filter_row({picture.row(0), picture.width(), picture.stride(), pixels.get(), kinds.data(), 0,
+              static_cast<int>(places.size()), -std::numeric_limits<float>::infinity(), &spline},
              rgb.data());
   std::vector<double> values(places.size());
   for (std::size_t k = 0; k < places.size(); ++k) {
