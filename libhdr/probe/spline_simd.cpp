@@ -13,60 +13,80 @@ HWY_BEFORE_NAMESPACE();
 namespace hdr::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using F = hn::CappedTag<float, 8>;
-using VF = hn::Vec<F>;
-constexpr F f;
+/// As wide as the target has them; narrow ones for boxes of few pixels.
+using Wide = hn::CappedTag<float, 16>;
+using Narrow = hn::CappedTag<float, 8>;
 
 /// The seven samples around p, `step` floats apart, weighed; products are rounded before they are added to, so that
 /// each target has the same bytes.
-HWY_INLINE VF filtered(const float* p, std::ptrdiff_t step) {
-  VF sum = hn::Mul(hn::Set(f, SplineTile::kFilter[0]), hn::LoadU(f, p));
+template <class F>
+HWY_INLINE hn::Vec<F> filtered(F f, const float* p, std::ptrdiff_t step) {
+  hn::Vec<F> sum = hn::Mul(hn::Set(f, SplineTile::kFilter[0]), hn::LoadU(f, p));
   for (int k = 1; k <= SplineTile::kFilterReach; ++k) {
-    const VF pair = hn::Add(hn::LoadU(f, p - k * step), hn::LoadU(f, p + k * step));
+    const auto pair = hn::Add(hn::LoadU(f, p - k * step), hn::LoadU(f, p + k * step));
     sum = hn::Add(sum, hn::Mul(hn::Set(f, SplineTile::kFilter[k]), pair));
   }
   return sum;
 }
 
 /// The vectors that cover `count` floats, of which the last may begin within the one before it.
-template <class Body>
-HWY_INLINE void for_vectors(int count, Body body) {
+template <class F, class Body>
+HWY_INLINE void for_vectors(F f, int count, Body body) {
   const int lanes = static_cast<int>(hn::Lanes(f));
   for (int k = 0; k < count; k += lanes) body(std::min(k, count - lanes));
 }
 
-HWY_INLINE void filter_floats(const float* from, std::ptrdiff_t step, int count, float* to) {
-  for_vectors(count, [&](int k) HWY_ATTR { hn::StoreU(filtered(from + k, step), f, to + k); });
+template <class F>
+HWY_INLINE void filter_floats(F f, const float* from, std::ptrdiff_t step, int count, float* to) {
+  for_vectors(f, count, [&](int k) HWY_ATTR { hn::StoreU(filtered(f, from + k, step), f, to + k); });
 }
 
 /// Down into `row`, then across, a row of coefficients at a time.
-void FilterBox(const float* source, std::ptrdiff_t stride, const PixelBox& box, float* row, float* to) {
+template <class F>
+HWY_INLINE void filter_box(F f, const float* source, std::ptrdiff_t stride, const PixelBox& box, float* row,
+                           float* to) {
   const int count = 3 * (box.last_x - box.first_x), margin = 3 * SplineTile::kFilterReach;
   for (int y = box.first_y; y < box.last_y; ++y, to += count) {
-    filter_floats(source + y * stride + 3 * static_cast<std::ptrdiff_t>(box.first_x) - margin, stride,
+    filter_floats(f, source + y * stride + 3 * static_cast<std::ptrdiff_t>(box.first_x) - margin, stride,
                   count + 2 * margin, row);
-    filter_floats(row + margin, 3, count, to);
+    filter_floats(f, row + margin, 3, count, to);
   }
 }
 
-HWY_INLINE VF fourth_difference(const float* p, std::ptrdiff_t step, VF six_here) {
-  const VF outer = hn::Add(hn::LoadU(f, p - 2 * step), hn::LoadU(f, p + 2 * step));
-  const VF inner = hn::Add(hn::LoadU(f, p - step), hn::LoadU(f, p + step));
+template <class F>
+HWY_INLINE hn::Vec<F> fourth_difference(F f, const float* p, std::ptrdiff_t step, hn::Vec<F> six_here) {
+  const auto outer = hn::Add(hn::LoadU(f, p - 2 * step), hn::LoadU(f, p + 2 * step));
+  const auto inner = hn::Add(hn::LoadU(f, p - step), hn::LoadU(f, p + step));
   return hn::Abs(hn::Add(hn::Sub(outer, hn::Mul(hn::Set(f, 4.0f), inner)), six_here));
 }
 
-bool BelowEverywhere(const float* source, std::ptrdiff_t stride, const PixelBox& box, float limit) {
+template <class F>
+HWY_INLINE bool below_everywhere(F f, const float* source, std::ptrdiff_t stride, const PixelBox& box, float limit) {
   const int count = 3 * (box.last_x - box.first_x);
   for (int y = box.first_y; y < box.last_y; ++y) {
     const float* row = source + y * stride + 3 * static_cast<std::ptrdiff_t>(box.first_x);
-    VF most = hn::Zero(f);
-    for_vectors(count, [&](int k) HWY_ATTR {
-      const VF six = hn::Mul(hn::Set(f, 6.0f), hn::LoadU(f, row + k));
-      most = hn::Max(most, hn::Max(fourth_difference(row + k, 3, six), fourth_difference(row + k, stride, six)));
+    hn::Vec<F> most = hn::Zero(f);
+    for_vectors(f, count, [&](int k) HWY_ATTR {
+      const auto six = hn::Mul(hn::Set(f, 6.0f), hn::LoadU(f, row + k));
+      most = hn::Max(most, hn::Max(fourth_difference(f, row + k, 3, six), fourth_difference(f, row + k, stride, six)));
     });
     if (!hn::AllTrue(f, hn::Le(most, hn::Set(f, limit)))) return false;
   }
   return true;
+}
+
+bool is_wide(const PixelBox& box) {
+  return 3 * (box.last_x - box.first_x) >= static_cast<int>(hn::Lanes(Wide()));
+}
+
+void FilterBox(const float* source, std::ptrdiff_t stride, const PixelBox& box, float* row, float* to) {
+  if (is_wide(box)) return filter_box(Wide(), source, stride, box, row, to);
+  filter_box(Narrow(), source, stride, box, row, to);
+}
+
+bool BelowEverywhere(const float* source, std::ptrdiff_t stride, const PixelBox& box, float limit) {
+  if (is_wide(box)) return below_everywhere(Wide(), source, stride, box, limit);
+  return below_everywhere(Narrow(), source, stride, box, limit);
 }
 
 }  // namespace hdr::internal::HWY_NAMESPACE
