@@ -18,6 +18,7 @@
 #include "libhdr/core/parallel.h"   // set_threads, for_rows, reduce_rows
 #include "libhdr/core/photo.h"      // Photo: codes; Bracket
 #include "libhdr/core/photometry.h"  // cd/m^2 from the exposure
+#include "libhdr/core/photo_samples.h"  // a small part of its codes
 #include "libhdr/core/radiance.h"   // RadianceMap: linear light; Provenance
 #include "libhdr/core/rows.h"       // pictures as rows that pass by
 #include "libhdr/core/sphere.h"     // axes and pixel conventions, once

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "libhdr/align/internal/pairs.h"
 #include "libhdr/align/internal/report.h"
@@ -12,12 +13,20 @@ namespace {
 
 constexpr double kFewestUsable = 0.02;  // share of the pixels below which a shot says nothing about its place
 
-std::vector<double> usable_shares(const Bracket& bracket) {
-  std::vector<double> shares(bracket.shots.size());
-  for_rows(static_cast<int>(shares.size()), 1, [&](int first, int) {
+std::vector<internal::SharedSamples> sampled(const Bracket& bracket) {
+  std::vector<internal::SharedSamples> samples(bracket.shots.size());
+  for_rows(static_cast<int>(samples.size()), 1, [&](int first, int) {
     const auto k = static_cast<std::size_t>(first);
-    shares[k] = internal::usable_share(bracket.shots[k]);
+    samples[k] = samples_of(bracket.shots[k]);
   });
+  return samples;
+}
+
+std::vector<double> usable_shares(const Bracket& bracket, std::span<const internal::SharedSamples> samples) {
+  std::vector<double> shares;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    shares.push_back(internal::usable_share(*samples[k], bracket.shots[k].max_code()));
+  }
   return shares;
 }
 
@@ -60,7 +69,7 @@ std::vector<Mat3> Alignment::ref_from_photo() const {
 
 Alignment no_alignment(const Bracket& bracket) {
   Alignment alignment;
-  alignment.reference = best_exposed(usable_shares(bracket));
+  alignment.reference = best_exposed(usable_shares(bracket, sampled(bracket)));
   alignment.frames.resize(bracket.shots.size());
   for (FrameAlignment& frame : alignment.frames) frame.skipped = "not asked for";
   return alignment;
@@ -68,12 +77,13 @@ Alignment no_alignment(const Bracket& bracket) {
 
 namespace {
 
-std::vector<internal::Place> places_of(const Bracket& bracket, const std::vector<int>& used, int reference,
+std::vector<internal::Place> places_of(const Bracket& bracket, std::span<const internal::SharedSamples> samples,
+                                       const std::vector<int>& used, int reference,
                                        const internal::Linearizer& linearizer, AlignMethod method) {
   const internal::MotionFrame frame(bracket.size());
   const auto shots = static_cast<int>(used.size());
   if (method == AlignMethod::kAuto) {
-    if (const auto pairs = internal::still_pairs(bracket, used, linearizer)) {
+    if (const auto pairs = internal::still_pairs(bracket, samples, used, linearizer)) {
       const std::vector<internal::Place> places = internal::reconcile(frame, shots, reference, *pairs);
       if (internal::bracket_stays(frame, places)) return places;
     }
@@ -85,7 +95,8 @@ std::vector<internal::Place> places_of(const Bracket& bracket, const std::vector
 
 Alignment align(const Bracket& bracket, const Response& response, AlignMethod method) {
   if (method == AlignMethod::kNone) return no_alignment(bracket);
-  const std::vector<double> shares = usable_shares(bracket);
+  const std::vector<internal::SharedSamples> samples = sampled(bracket);
+  const std::vector<double> shares = usable_shares(bracket, samples);
   Alignment alignment;
   alignment.reference = best_exposed(shares);
   alignment.frames.resize(bracket.shots.size());
@@ -100,7 +111,7 @@ Alignment align(const Bracket& bracket, const Response& response, AlignMethod me
     const auto reference =
         static_cast<int>(std::lower_bound(used.begin(), used.end(), alignment.reference) - used.begin());
     HDR_ASSERT(used[static_cast<std::size_t>(reference)] == alignment.reference);
-    const std::vector<internal::Place> places = places_of(bracket, used, reference, linearizer, method);
+    const std::vector<internal::Place> places = places_of(bracket, samples, used, reference, linearizer, method);
     const bool still = internal::bracket_stays(frame, places);
     for (std::size_t k = 0; k < used.size(); ++k) {
       alignment.frames[static_cast<std::size_t>(used[k])] = internal::decided(frame, places[k], still);

@@ -5,7 +5,6 @@
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/parallel.h"
-#include "libhdr/core/rows.h"
 #include "libhdr/response/noise.h"
 
 namespace hdr::internal {
@@ -42,22 +41,22 @@ void average_cell(View<const Code> codes, const Linearizer& linearizer, int x0, 
 
 }  // namespace
 
-double usable_share(const Photo& photo) {
-  const double pixels = static_cast<double>(photo.width()) * photo.height();
-  if (pixels == 0) return 0;
-  const int step = std::max(1, static_cast<int>(std::sqrt(pixels / 40000)));
-  const double first = kDarkestCode * photo.max_code(), last = kBrightestCode * photo.max_code();
-  double usable = 0, counted = 0;
-  const auto add_row = [&](const auto& row) {
-    for (int x = step / 2; x < row.width(); x += step) {
-      const auto* p = row.pixel(x, 0);
-      usable += std::min({p[0], p[1], p[2]}) >= first && std::max({p[0], p[1], p[2]}) <= last;
-      ++counted;
+double usable_share(const PhotoSamples& samples, int max_code) {
+  const int first = static_cast<int>(std::ceil(kDarkestCode * max_code));
+  const int last = static_cast<int>(kBrightestCode * max_code);
+  const auto share = [&](const auto& codes) {
+    std::int64_t usable = 0;
+    for (int y = 0; y < codes.height(); ++y) {
+      const auto* p = codes.row(y);
+      for (int x = 0; x < codes.width(); ++x, p += 3) {
+        const int r = p[0], g = p[1], b = p[2];
+        usable += std::min({r, g, b}) >= first && std::max({r, g, b}) <= last;
+      }
     }
+    const double pixels = static_cast<double>(codes.width()) * codes.height();
+    return pixels > 0 ? static_cast<double>(usable) / pixels : 0.0;
   };
-  const auto rows = rows_of(photo);
-  for (int y = step / 2; y < photo.height(); y += step) std::visit(add_row, rows->rows(y, y + 1));
-  return counted > 0 ? usable / counted : 0;
+  return std::visit(share, samples.lattice);
 }
 
 Linearizer::Linearizer(const Response& response, int bits, bool lossy) {
@@ -86,55 +85,35 @@ Linearizer::Linearizer(const Response& response, int bits, bool lossy) {
   }
 }
 
-LogPicture log_picture(const Photo& photo, const Linearizer& linearizer, int cell, int step) {
-  LogPicture picture;
-  picture.cell = cell;
-  picture.ln = Image<float>(photo.width() / cell, photo.height() / cell, 1);
-  picture.variance = Image<float>(picture.ln.size(), 1);
-  const double h = photo.relative_exposure();
-  std::visit(
-      [&](const auto& codes) {
-        for_rows(picture.ln.height(), kRowsPerBlock, [&](int first, int last) {
-          for (int y = first; y < last; ++y) {
-            for (int x = 0; x < picture.ln.width(); ++x) {
-              average_cell(codes.view(), linearizer, x * cell, y * cell, cell, step, h, picture.ln(x, y),
-                           picture.variance(x, y));
-            }
-          }
-        });
-      },
-      photo.codes);
-  return picture;
+LogPicture log_picture(const Codes& codes, double h, const Linearizer& linearizer, int cell, int step) {
+  const auto averaged = [&](const auto& photo) {
+    LogPicture picture;
+    picture.cell = cell;
+    picture.ln = Image<float>(photo.width() / cell, photo.height() / cell, 1);
+    picture.variance = Image<float>(picture.ln.size(), 1);
+    for_rows(picture.ln.height(), kRowsPerBlock, [&](int first, int last) {
+      for (int y = first; y < last; ++y) {
+        for (int x = 0; x < picture.ln.width(); ++x) {
+          average_cell(photo.view(), linearizer, x * cell, y * cell, cell, step, h, picture.ln(x, y),
+                       picture.variance(x, y));
+        }
+      }
+    });
+    return picture;
+  };
+  return std::visit(averaged, codes);
 }
 
-LogPicture tile_picture(const Photo& photo, const Linearizer& linearizer, int cell, int tiles, int side) {
-  const int cells = side / cell;
+LogPicture tile_picture(const Codes& tiles, double h, const Linearizer& linearizer) {
   constexpr int kFrame = 2;  // farther than the resampling kernel reaches
-  LogPicture picture;
-  picture.cell = cell;
-  picture.ln = Image<float>(tiles * cells, tiles * cells, 1);
-  picture.variance = Image<float>(picture.ln.size(), 1);
-  const double h = photo.relative_exposure();
-  const auto average = [&](const auto& codes, int x, int y) {
-    const int column = x / cells, row = y / cells, dx = x % cells, dy = y % cells;
-    const bool frame = std::min(dx, dy) < kFrame || std::max(dx, dy) >= cells - kFrame;
-    picture.variance(x, y) = kUnusable;
-    if (frame) return;
-    // Tile k of n begins at (k + 1/2) / n of the range that keeps it inside.
-    const int left = static_cast<int>((column + 0.5) / tiles * (photo.width() - side));
-    const int top = static_cast<int>((row + 0.5) / tiles * (photo.height() - side));
-    average_cell(codes.view(), linearizer, left + dx * cell, top + dy * cell, cell, 1, h, picture.ln(x, y),
-                 picture.variance(x, y));
-  };
-  std::visit(
-      [&](const auto& codes) {
-        for_rows(picture.ln.height(), kRowsPerBlock, [&](int first, int last) {
-          for (int y = first; y < last; ++y) {
-            for (int x = 0; x < picture.ln.width(); ++x) average(codes, x, y);
-          }
-        });
-      },
-      photo.codes);
+  constexpr int kSide = PhotoSamples::kTileSide;
+  LogPicture picture = log_picture(tiles, h, linearizer, 1, 1);
+  for (int y = 0; y < picture.variance.height(); ++y) {
+    for (int x = 0; x < picture.variance.width(); ++x) {
+      const int dx = x % kSide, dy = y % kSide;
+      if (std::min(dx, dy) < kFrame || std::max(dx, dy) >= kSide - kFrame) picture.variance(x, y) = kUnusable;
+    }
+  }
   return picture;
 }
 

@@ -19,7 +19,7 @@ Pyramid pyramid_of(const Photo& photo, const Linearizer& linearizer) {
   int cell = 1;
   while (static_cast<double>(photo.width() / cell) * (photo.height() / cell) > kFinestPixels) cell *= 2;
   Pyramid pyramid{photo.size(), {}};
-  LogPicture sharp = log_picture(photo, linearizer, cell, 1);
+  LogPicture sharp = log_picture(photo.codes, photo.relative_exposure(), linearizer, cell, 1);
   while (true) {
     pyramid.levels.push_back(smoothed(sharp, 2));
     if (std::min(sharp.ln.width(), sharp.ln.height()) < 2 * kCoarsestSide) return pyramid;
@@ -37,7 +37,8 @@ struct Prepared {
 Prepared prepare(const Photo& photo, const Linearizer& linearizer, AlignMethod method) {
   LoadedShot shot(photo);
   if (method == AlignMethod::kMtb) return {std::move(shot), {}, {}};
-  return {std::nullopt, thumbnail(*shot, linearizer), pyramid_of(*shot, linearizer)};
+  const std::shared_ptr<const PhotoSamples> samples = samples_of(photo.samples ? photo : *shot);
+  return {std::nullopt, thumbnail(*samples, photo.relative_exposure(), linearizer), pyramid_of(*shot, linearizer)};
 }
 
 /// make(shot) for each of `used`, up to `ahead` of them side by side, since a shot may have to be decoded for it; and
@@ -121,31 +122,35 @@ std::vector<MeasuredPair> measure_pairs(const Bracket& bracket, const std::vecto
   return pairs;
 }
 
-std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, const std::vector<int>& used,
-                                                     const Linearizer& linearizer) {
-  std::vector<MeasuredPair> pairs;
-  std::unique_ptr<StillProbe> previous;
-  const auto make = [&](int shot) {
-    return std::make_unique<StillProbe>(LoadedShot(bracket.shots[static_cast<std::size_t>(shot)]), linearizer);
-  };
-  bool moved = false;
-  int k = 0;
-  visit_in_order(used, 2, make, [&](std::unique_ptr<StillProbe> next) {
-    if (previous) {
-      StillAnswer answer = still_motion(*previous, *next);
-      if (answer.stillness == Stillness::kUnclear) {
-        // This pair alone is looked at as closely as can be: whether the bracket stays, all pairs together will tell.
-        answer.motion = measure(prepare(previous->photo(), linearizer, AlignMethod::kAuto),
-                                prepare(next->photo(), linearizer, AlignMethod::kAuto), AlignMethod::kAuto);
-      }
-      moved = answer.stillness == Stillness::kMoved || !answer.motion.trouble.empty();
-      pairs.push_back({k - 1, k, answer.motion});
-    }
-    previous = std::move(next);
-    ++k;
-    return !moved;
+std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, std::span<const SharedSamples> samples,
+                                                     const std::vector<int>& used, const Linearizer& linearizer) {
+  std::vector<std::unique_ptr<StillProbe>> probes(used.size());
+  for_rows(static_cast<int>(used.size()), 1, [&](int k, int) {
+    const auto shot = static_cast<std::size_t>(used[static_cast<std::size_t>(k)]);
+    probes[static_cast<std::size_t>(k)] = std::make_unique<StillProbe>(bracket.shots[shot], samples[shot], linearizer);
   });
-  return moved ? std::nullopt : std::optional(std::move(pairs));
+  // What a few pixels tell of all pairs comes before what many tell of one: one that moved ends the question.
+  std::vector<StillPair> pairs;
+  for (std::size_t k = 1; k < used.size(); ++k) {
+    pairs.emplace_back(*probes[k - 1], *probes[k]);
+    if (pairs.back().ask_few().stillness == Stillness::kMoved) return std::nullopt;
+  }
+  std::vector<MeasuredPair> measured;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    StillAnswer answer = pairs[k].ask_all();
+    if (answer.stillness == Stillness::kMoved) return std::nullopt;
+    if (answer.stillness == Stillness::kUnclear) {
+      // This pair alone is looked at as closely as can be: whether the bracket stays, all pairs together will tell.
+      const auto prepared = [&](const StillProbe& probe) {
+        return prepare(probe.photo(), linearizer, AlignMethod::kAuto);
+      };
+      answer.motion = measure(prepared(*probes[k]), prepared(*probes[k + 1]), AlignMethod::kAuto);
+      if (!answer.motion.trouble.empty()) return std::nullopt;
+    }
+    measured.push_back({static_cast<int>(k), static_cast<int>(k + 1), std::move(answer.motion)});
+    probes[k]->forget_whole();
+  }
+  return measured;
 }
 
 }  // namespace hdr::internal

@@ -19,7 +19,6 @@ constexpr double kAliasing = 0.007;         // pixels of the level in each axis:
 constexpr double kMedianOfNormal = 0.6745;  // median |z| of a standard normal
 constexpr double kLeastUnmoved = 0.3;       // of the pixels in common, those that are unmoved too
 constexpr double kFewestTilesToStay = 2;    // for each unknown of the model that there is
-constexpr double kLeastInliers = 0.5;       // of the textured tiles: fewer show another scene, or another motion
 
 /// Where the iterations stand at one level.
 struct Estimate {
@@ -322,9 +321,10 @@ PairMotion polish_motion(const Pyramid& a, const Pyramid& b, const Mat3& start, 
   return measured(frame, a.levels[0], e, inliers);
 }
 
-PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b,
+PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b, double inliers,
                            const std::function<void(Linearization&)>& place) {
   constexpr int kMatchIterations = 3;
+  if (inliers < kLeastInliers) return failed("its tiles do not agree that nothing moved", inliers);
   const MotionFrame frame(size);
   Estimate e;
   e.match = unmatched(a);
@@ -334,9 +334,6 @@ PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b,
   const Evidence evidence(frame, e.at, e.match);
   e.model = cheapest(evidence.costs(e.motion, kAliasing * a.cell));
   e.step = evidence.step(e.model);
-  // Noise may hide the texture of single pixels; then the small pictures have said that both show the same.
-  const double inliers = agreement(a, b, e.motion).value_or(1);
-  if (inliers < kLeastInliers) return failed("its tiles do not agree that nothing moved", inliers);
   return measured(frame, a, e, inliers);
 }
 

@@ -18,7 +18,8 @@ namespace hdr {
 using Path = std::filesystem::path;
 using Codes = std::variant<Image<std::uint8_t>, Image<std::uint16_t>>;
 
-class PhotoRows;  // core/rows.h
+class PhotoRows;      // core/rows.h
+struct PhotoSamples;  // core/photo_samples.h
 
 /// Where the codes of a photograph can be had again, from any thread, as often as they are needed.
 struct PhotoSource {
@@ -35,6 +36,8 @@ struct Photo {
   bool lossy = false;  ///< JPEG and its kin: codes near the ends are smeared by chroma subsampling and ringing
   Codes codes;         ///< RGB interleaved, upright; a grey photograph has three equal channels; or empty
   PhotoSource source{};
+  /// Of a photograph whose codes are not in memory: what was kept of them when they passed by. May be none.
+  std::shared_ptr<const PhotoSamples> samples{};
 
   int max_code() const { return (1 << bits) - 1; }
   bool in_memory() const {

@@ -39,7 +39,7 @@ std::unique_ptr<PhotoRows> rows_of(const Photo& photo) {
 
 LoadedShot::LoadedShot(const Photo& photo) : photo_(&photo) {
   if (photo.in_memory() || !photo.source.open) return;
-  decoded_ = std::make_unique<Photo>(Photo{photo.path, photo.exposure, photo.bits, photo.lossy, {}, {}});
+  decoded_ = std::make_unique<Photo>(Photo{photo.path, photo.exposure, photo.bits, photo.lossy, {}, {}, {}});
   const std::unique_ptr<PhotoRows> rows = photo.source.open();
   if (photo.bits <= 8) {
     decoded_->codes = all_rows<std::uint8_t>(*rows);

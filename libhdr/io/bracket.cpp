@@ -8,6 +8,7 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
+#include "libhdr/core/photo_samples.h"
 #include "libhdr/core/rows.h"
 #include "libhdr/io/internal/bracket_checks.h"
 #include "libhdr/io/internal/exif.h"
@@ -65,7 +66,7 @@ Photo decoded_shot(const Path& path, Size size) {
 
 Photo shot_to_decode_again(const PhotoHeader& header, Size size) {
   const PhotoSource source{size, [path = header.path, size] { return open_photo_rows(path, size); }};
-  return {header.path, header.exposure, header.bits, header.lossy, {}, source};
+  return {header.path, header.exposure, header.bits, header.lossy, {}, source, {}};
 }
 
 /// --times, in the order of the files, in place of EXIF's times; the apertures and ISO speeds stay.
@@ -185,10 +186,11 @@ Bracket read_bracket(const std::vector<Path>& files_or_folder, const BracketOpti
   });
   std::vector<internal::SceneThumbnail> thumbnails(paths.size());
   auto brightness = in_parallel<Brightness>(paths.size(), [&](std::size_t i) {
-    internal::ThumbnailRows rows(rows_of(bracket.shots[i]), bracket.shots[i].max_code());
-    const Brightness found = internal::brightness_of(rows, bracket.shots[i].max_code());
-    thumbnails[i] = rows.thumbnail();
-    return found;
+    Photo& shot = bracket.shots[i];
+    const std::shared_ptr<const PhotoSamples> samples = samples_of(shot);
+    if (!shot.in_memory()) shot.samples = samples;
+    thumbnails[i] = internal::thumbnail_of(*samples, shot.max_code());
+    return internal::brightness_of(*samples, shot.max_code());
   });
   if (options.exposures) {
     replace_by_list(exposures, paths, *options.exposures, options.list_format, brightness);

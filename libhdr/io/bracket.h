@@ -19,7 +19,8 @@ struct BracketOptions {
   bool expects_motion = false;
   /// Memory for codes, in bytes for each pixel of one shot (an 8-bit shot takes 3, a deeper one 6): the codes of all
   /// shots stay while they fit, or while they take less than 64 MB together. Otherwise only those that fit in half of
-  /// it do, the others are decoded when they are needed (Photo::source), and the other half is left to the decoders.
+  /// it do, the others keep their samples (Photo::samples) and are decoded when more is needed (Photo::source), and the
+  /// other half is left to the decoders.
   /// Absent: all stay.
   std::optional<double> code_bytes_a_pixel;
 };

@@ -6,15 +6,13 @@
 #include <span>
 
 #include "libhdr/core/parallel.h"
-#include "libhdr/core/rows.h"
+#include "libhdr/core/photo_samples.h"
 #include "libhdr/response/internal/observations.h"
 
 namespace hdr {
 namespace {
 
 constexpr int kBins = 1024;  ///< of codes deeper than that
-/// Looked at, evenly spread, the same ones of each shot: a rank is known to .1 %.
-constexpr double kPixels = 512 * 512;
 
 using Counts = std::vector<std::int64_t>;
 
@@ -22,31 +20,23 @@ int bins_of(const Photo& photo) {
   return std::min(photo.max_code() + 1, kBins);
 }
 
-/// How many pixels have a code in each bin, channel after channel.
+/// How many pixels of a regular lattice have a code in each bin, channel after channel.
 Counts counted_codes(const Photo& photo) {
   const auto bins = static_cast<std::size_t>(bins_of(photo));
   const int shift = std::max(0, photo.bits - 10);
-  const auto count = [&](const auto& image) {
-    const double pixels = static_cast<double>(image.width()) * image.height();
-    const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / kPixels))));
-    const auto count_rows = [&](int first, int last) {
-      Counts part(3 * bins);
-      for (int y = first * step; y < std::min(image.height(), last * step); y += step) {
-        for (int x = 0; x < image.width(); x += step) {
-          const auto* p = image.pixel(x, y);
-          ++part[static_cast<std::size_t>(p[0] >> shift)];
-          ++part[bins + static_cast<std::size_t>(p[1] >> shift)];
-          ++part[2 * bins + static_cast<std::size_t>(p[2] >> shift)];
-        }
+  Counts counts(3 * bins);
+  const auto count = [&](const auto& lattice) {
+    for (int y = 0; y < lattice.height(); ++y) {
+      const auto* p = lattice.row(y);
+      for (int x = 0; x < lattice.width(); ++x, p += 3) {
+        ++counts[static_cast<std::size_t>(p[0] >> shift)];
+        ++counts[bins + static_cast<std::size_t>(p[1] >> shift)];
+        ++counts[2 * bins + static_cast<std::size_t>(p[2] >> shift)];
       }
-      return part;
-    };
-    const auto add = [](Counts& total, const Counts& part) {
-      for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
-    };
-    return reduce_rows((image.height() + step - 1) / step, 64, Counts(3 * bins), count_rows, add);
+    }
   };
-  return std::visit(count, photo.codes);
+  std::visit(count, samples_of(photo)->lattice);
+  return counts;
 }
 
 /// Share of a shot's pixels below each code. Code bin b covers [b - 1/2, b + 1/2] `bin_width` codes.
@@ -116,11 +106,16 @@ Observations match_quantiles(const Bracket& bracket) {
     observations.ln_exposure[static_cast<Eigen::Index>(j)] = std::log(bracket.shots[j].relative_exposure());
   }
   std::array<std::vector<Distribution>, 3> distributions;
-  for (const Photo& photo : bracket.shots) {
-    const LoadedShot shot(photo);
-    const Counts counts = counted_codes(*shot);
-    const auto bins = static_cast<std::size_t>(bins_of(*shot));
-    for (std::size_t c = 0; c < 3; ++c) distributions[c].emplace_back(*shot, std::span(counts).subspan(c * bins, bins));
+  std::vector<Counts> counts(bracket.shots.size());
+  for_rows(static_cast<int>(counts.size()), 1, [&](int first, int) {
+    const auto j = static_cast<std::size_t>(first);
+    counts[j] = counted_codes(bracket.shots[j]);
+  });
+  for (std::size_t j = 0; j < counts.size(); ++j) {
+    const auto bins = static_cast<std::size_t>(bins_of(bracket.shots[j]));
+    for (std::size_t c = 0; c < 3; ++c) {
+      distributions[c].emplace_back(bracket.shots[j], std::span(counts[j]).subspan(c * bins, bins));
+    }
   }
   for (std::size_t c = 0; c < 3; ++c) {
     observations.codes[c] = rows_seen_twice(matched_codes(bracket, distributions[c]), observations.ln_exposure);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "libhdr/core/image.h"
-#include "libhdr/core/photo.h"
+#include "libhdr/core/photo_samples.h"
 #include "libhdr/response/response.h"
 
 namespace hdr::internal {
@@ -25,8 +25,8 @@ struct LogPicture {
 inline constexpr double kDarkestCode = 5.0 / 255;
 inline constexpr double kBrightestCode = 250.0 / 255;
 
-/// Share of the photograph's pixels with all channels between those codes (of a regular sample of about 100 000).
-double usable_share(const Photo& photo);
+/// Share of the photograph's pixels with all channels between those codes, which run to `max_code`.
+double usable_share(const PhotoSamples& samples, int max_code);
 
 /// Codes of `bits` bits -> (exposure, variance) of one channel, weighted by its share in luminance.
 class Linearizer {
@@ -43,13 +43,13 @@ class Linearizer {
   std::vector<Level> table_[3];
 };
 
-/// Averages square cells of the photograph; each cell takes every `step`-th pixel in both directions. A cell is usable
-/// when all its samples are.
-LogPicture log_picture(const Photo& photo, const Linearizer& linearizer, int cell, int step);
+/// Averages square cells of a photograph of exposure `h`; each cell takes every `step`-th pixel in both directions. A
+/// cell is usable when all its samples are.
+LogPicture log_picture(const Codes& codes, double h, const Linearizer& linearizer, int cell, int step);
 
-/// The same cells, but only in `tiles` x `tiles` square windows of `side` pixels spread over the photograph and set
-/// side by side, with an unusable frame around each: a small picture that shows small motions.
-LogPicture tile_picture(const Photo& photo, const Linearizer& linearizer, int cell, int tiles, int side);
+/// Of windows of PhotoSamples::kTileSide pixels a side that lie side by side, each pixel for itself, with an unusable
+/// frame around each window: a small picture that shows small motions.
+LogPicture tile_picture(const Codes& tiles, double h, const Linearizer& linearizer);
 
 /// Half the size: 2x2 averages weighted by precision; usable when at least half of the four are.
 LogPicture halved(const LogPicture& fine);

@@ -87,9 +87,12 @@ PairMotion refine_motion(const Pyramid& a, const Pyramid& b, std::span<const Mat
 /// refine.cpp: at the finest level only, from a motion that is nearly right.
 PairMotion polish_motion(const Pyramid& a, const Pyramid& b, const Mat3& start, MotionModel model);
 
-/// refine.cpp: from no motion at all, linearised once the photometric match is known; `place` tells the tiles where in
-/// the photograph they lie.
-PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b,
+/// Of the textured tiles: fewer show another scene, or another motion.
+inline constexpr double kLeastInliers = 0.5;
+
+/// refine.cpp: from no motion at all, linearised once the photometric match is known; `inliers` is the share of the
+/// tiles that agree that nothing moved, `place` tells the tiles where in the photograph they lie.
+PairMotion refine_in_place(Size size, const LogPicture& a, const LogPicture& b, double inliers,
                            const std::function<void(Linearization&)>& place);
 
 /// refine.cpp: the error of a shift found by other means, and whether it explains the pictures better than none does.

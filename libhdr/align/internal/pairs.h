@@ -1,6 +1,8 @@
 #pragma once
 // Which shots are compared, and how: neighbours in exposure order, and those one apart, which close the loops.
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "libhdr/align/align.h"
@@ -20,8 +22,11 @@ struct MeasuredPair {
 std::vector<MeasuredPair> measure_pairs(const Bracket& bracket, const std::vector<int>& used,
                                         const Linearizer& linearizer, AlignMethod method);
 
-/// The cheap question first: motions of neighbours, or nullopt as soon as one pair has moved.
-std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, const std::vector<int>& used,
-                                                     const Linearizer& linearizer);
+using SharedSamples = std::shared_ptr<const PhotoSamples>;
+
+/// The cheap question first: motions of neighbours, or nullopt as soon as one pair has moved. `samples`: of all shots;
+/// where they leave no doubt, no shot is decoded.
+std::optional<std::vector<MeasuredPair>> still_pairs(const Bracket& bracket, std::span<const SharedSamples> samples,
+                                                     const std::vector<int>& used, const Linearizer& linearizer);
 
 }  // namespace hdr::internal

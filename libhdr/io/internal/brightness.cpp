@@ -8,31 +8,29 @@ namespace hdr::internal {
 namespace {
 
 constexpr int kLevels = 4096;
-constexpr int kSamplesWanted = 1 << 18;  ///< pixels on a regular grid: a quantile is then known to about 0.1 %
 
 /// Luma (Rec. 709 weights on codes), spread over kLevels.
-std::vector<std::int64_t> luma_histogram(PhotoRows& rows, int max_code) {
+std::vector<std::int64_t> luma_histogram(const Codes& lattice, int max_code) {
   std::vector<std::int64_t> histogram(kLevels);
-  const Size size = rows.size();
-  const double pixels = 1.0 * size.width * size.height;
-  const int step = std::max(1, static_cast<int>(std::sqrt(pixels / kSamplesWanted)));
-  const double scale = (kLevels - 1.0) / max_code;
-  const auto add_row = [&](const auto& row) {
-    for (int x = step / 2; x < size.width; x += step) {
-      const auto* p = row.pixel(x, 0);
-      const double luma = 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
-      ++histogram[static_cast<std::size_t>(std::lround(scale * luma))];
+  const float scale = (kLevels - 1.0f) / static_cast<float>(max_code);
+  const float red = 0.2126f * scale, green = 0.7152f * scale, blue = 0.0722f * scale;
+  const auto add = [&](const auto& codes) {
+    for (int y = 0; y < codes.height(); ++y) {
+      const auto* p = codes.row(y);
+      for (int x = 0; x < codes.width(); ++x, p += 3) {
+        const auto code = [&](int channel) { return static_cast<float>(p[channel]); };
+        ++histogram[static_cast<std::size_t>(red * code(0) + green * code(1) + blue * code(2) + 0.5f)];
+      }
     }
   };
-  for (int y = step / 2; y < size.height; y += step) std::visit(add_row, rows.rows(y, y + 1));
-  rows.rows(size.height, size.height);  // what is damaged below the last sample is found out too
+  std::visit(add, lattice);
   return histogram;
 }
 
 }  // namespace
 
-Brightness brightness_of(PhotoRows& rows, int max_code) {
-  const std::vector<std::int64_t> histogram = luma_histogram(rows, max_code);
+Brightness brightness_of(const PhotoSamples& samples, int max_code) {
+  const std::vector<std::int64_t> histogram = luma_histogram(samples.lattice, max_code);
   std::int64_t total = 0;
   double sum = 0;
   for (std::size_t level = 0; level < histogram.size(); ++level) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "libhdr/core/rows.h"
+#include "libhdr/core/photo_samples.h"
 
 namespace hdr::internal {
 
@@ -15,8 +15,8 @@ struct Brightness {
   double mean = 0;
 };
 
-/// Of a photograph whose codes run to `max_code`; its rows are read once, from top to bottom.
-Brightness brightness_of(PhotoRows& rows, int max_code);
+/// Of a photograph whose codes run to `max_code`.
+Brightness brightness_of(const PhotoSamples& samples, int max_code);
 
 /// True when `longer` is darker throughout: no quantile above that of `shorter`, and a good part of them clearly below.
 bool darker_throughout(const Brightness& longer, const Brightness& shorter);

@@ -120,48 +120,26 @@ std::vector<std::size_t> agreeing_with(std::size_t first, const std::vector<std:
 
 }  // namespace
 
-ThumbnailRows::ThumbnailRows(std::unique_ptr<PhotoRows> rows, int max_code)
-    : rows_(std::move(rows)), max_code_(max_code) {
-  const Size size = rows_->size();
-  cell_ = std::max(1, (std::max(size.width, size.height) + kLongerSide - 1) / kLongerSide);
-  samples_ = std::min(cell_, kSamplesASide);
-  cells_ = {size.width / cell_, size.height / cell_};
-  sums_.resize(static_cast<std::size_t>(cells_.width * cells_.height));
-}
-
-int ThumbnailRows::sample_row() const {
-  if (seen_ == cells_.height * samples_) return size().height;
-  return seen_ / samples_ * cell_ + (2 * (seen_ % samples_) + 1) * cell_ / (2 * samples_);
-}
-
-void ThumbnailRows::look_at(const CodesView& rows, int row) {
+SceneThumbnail thumbnail_of(const PhotoSamples& samples, int max_code) {
   constexpr double kDarkest = 5, kBrightest = 250;  // of 255: beyond them noise and compression smear the ends
-  double* sums = sums_.data() + static_cast<std::ptrdiff_t>(seen_ / samples_) * cells_.width;
-  const auto add = [&](const auto& codes) {
-    for (int u = 0; u < cells_.width; ++u) {
-      for (int i = 0; i < samples_; ++i) {
-        const double code = 255.0 * codes(u * cell_ + (2 * i + 1) * cell_ / (2 * samples_), row, 1) / max_code_;
-        sums[u] += code >= kDarkest && code <= kBrightest ? code : -std::numeric_limits<double>::infinity();
+  const auto averaged = [&](const auto& codes) {
+    const int cell = std::max(1, (std::max(codes.width(), codes.height()) + kLongerSide - 1) / kLongerSide);
+    const int count = std::min(cell, kSamplesASide);
+    const auto place = [&](int k, int i) { return k * cell + (2 * i + 1) * cell / (2 * count); };
+    SceneThumbnail thumbnail{{codes.width() / cell, codes.height() / cell}, {}, {}};
+    for (int v = 0; v < thumbnail.size.height; ++v) {
+      for (int u = 0; u < thumbnail.size.width; ++u) {
+        double sum = 0;
+        for (int i = 0; i < count * count; ++i) {
+          const double code = 255.0 * codes(place(u, i % count), place(v, i / count), 1) / max_code;
+          sum += code >= kDarkest && code <= kBrightest ? code : -std::numeric_limits<double>::infinity();
+        }
+        thumbnail.code.push_back(sum >= 0 ? static_cast<float>(sum / (count * count)) : -1.0f);
       }
     }
+    return thumbnail;
   };
-  std::visit(add, rows);
-  ++seen_;
-}
-
-CodesView ThumbnailRows::rows(int first, int last) {
-  for (int y = sample_row(); y < first; y = sample_row()) look_at(rows_->rows(y, y + 1), 0);
-  const CodesView asked = rows_->rows(first, last);
-  for (int y = sample_row(); y < last; y = sample_row()) look_at(asked, y - first);
-  return asked;
-}
-
-SceneThumbnail ThumbnailRows::thumbnail() {
-  for (int y = sample_row(); y < size().height; y = sample_row()) look_at(rows_->rows(y, y + 1), 0);
-  SceneThumbnail thumbnail{cells_, {}, {}};
-  for (const double sum : sums_) {
-    thumbnail.code.push_back(sum >= 0 ? static_cast<float>(sum / (samples_ * samples_)) : -1.0f);
-  }
+  SceneThumbnail thumbnail = std::visit(averaged, samples.lattice);
   thumbnail.rank = ranks_of(thumbnail.code);
   return thumbnail;
 }

@@ -1,14 +1,13 @@
 #pragma once
 // Do the shots of a bracket show one scene? Without a response: whatever the curve and the exposures, a channel's codes
 // rise with one another wherever neither shot is black or clipped, so ranks of registered pixels agree [Spearman04].
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "libhdr/core/photo.h"
-#include "libhdr/core/rows.h"
+#include "libhdr/core/photo_samples.h"
 
 namespace hdr::internal {
 
@@ -19,24 +18,8 @@ struct SceneThumbnail {
   std::vector<float> rank;  ///< of the usable cells among themselves, -1 .. 1
 };
 
-/// Rows that pass by, looked at on their way: a thumbnail costs no second decoding.
-class ThumbnailRows : public PhotoRows {
- public:
-  ThumbnailRows(std::unique_ptr<PhotoRows> rows, int max_code);
-  Size size() const override { return rows_->size(); }
-  CodesView rows(int first, int last) override;
-  /// Of the whole photograph, whichever rows were asked for; no row may be asked for afterwards.
-  SceneThumbnail thumbnail();
-
- private:
-  int sample_row() const;  ///< the next that is looked at
-  void look_at(const CodesView& rows, int row);
-
-  std::unique_ptr<PhotoRows> rows_;
-  int max_code_, cell_, samples_, seen_ = 0;
-  Size cells_;
-  std::vector<double> sums_;
-};
+/// Of a photograph whose codes run to `max_code`.
+SceneThumbnail thumbnail_of(const PhotoSamples& samples, int max_code);
 
 /// How two thumbnails of one size agree under the best of the shifts that a hand makes.
 struct SceneAgreement {
