@@ -7,7 +7,6 @@
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
-#include "libhdr/response/estimate_noise.h"
 #include "libhdr/response/internal/bracket_check.h"
 #include "libhdr/response/internal/code_weights.h"
 #include "libhdr/response/internal/curve_prior.h"
@@ -15,6 +14,7 @@
 #include "libhdr/response/internal/knots.h"
 #include "libhdr/response/internal/monotone.h"
 #include "libhdr/response/internal/noise_bias.h"
+#include "libhdr/response/internal/noise_of_codes.h"
 #include "libhdr/response/internal/normal_equations.h"
 #include "libhdr/response/internal/observations.h"
 #include "libhdr/response/internal/refine_times.h"
@@ -263,13 +263,13 @@ void solve(const CurveProblem& problem, const Bracket& bracket, Calibration& res
 /// Weighs the codes by the noise that the shots show, which needs a curve to be told, and fits. Lossless shots also
 /// lose the bias of their noise, twice, since the first curve is off where noise is large; compression averages noise
 /// away before it can be told from its own.
-void solve_with_noise(CurveProblem& problem, const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
+void solve_with_noise(CurveProblem& problem, const Bracket& bracket, const internal::CodesAtPlaces& noise_places,
                       bool choose_smoothness, Calibration& result) {
   const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
   const Eigen::VectorXd exposures = problem.seen.ln_exposure.array().exp();
   Response response = interim_response(problem, bracket);
   const NoiseEstimate estimate =
-      estimate_noise(bracket, ref_from_photo, response, {}, {exposures.begin(), exposures.end()});
+      internal::estimate_noise(bracket, noise_places, response, {}, {exposures.begin(), exposures.end()});
   const Observations observed = problem.seen;
   const int passes = lossy ? 1 : 2;
   for (int pass = 0; pass < passes; ++pass) {
@@ -291,10 +291,15 @@ Calibration calibrate_debevec_malik(const Bracket& bracket, const std::vector<Ma
                                     const CalibrateOptions& options) {
   check_exposures(bracket);
   Calibration result;
-  CurveProblem problem = pose(sample_points(bracket, ref_from_photo, options.pixels > 0 ? options.pixels : kPoints),
-                              bracket, options.smoothness, options.refine_times, result);
-  solve_with_noise(problem, bracket, ref_from_photo, !options.smoothness, result);
-  measure_top_codes(bracket, problem.seen.ln_exposure, ref_from_photo, result.deviation, result.response);
+  // All that is looked at is read in one go: shots that are not in memory are decoded once.
+  internal::CodesAtPlaces for_noise = internal::noise_places(bracket, ref_from_photo);
+  internal::CodesAtPlaces for_top = top_places(bracket, ref_from_photo);
+  internal::CodesAtPlaces* const onlookers[] = {&for_noise, &for_top};
+  const int points = options.pixels > 0 ? options.pixels : kPoints;
+  CurveProblem problem = pose(sample_points(bracket, ref_from_photo, points, onlookers), bracket, options.smoothness,
+                              options.refine_times, result);
+  solve_with_noise(problem, bracket, for_noise, !options.smoothness, result);
+  measure_top_codes(bracket, problem.seen.ln_exposure, for_top, result.deviation, result.response);
   return result;
 }
 

@@ -11,7 +11,7 @@
 #include "libhdr/core/median.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
-#include "libhdr/response/internal/sample_places.h"
+#include "libhdr/response/internal/noise_of_codes.h"
 
 namespace hdr {
 namespace {
@@ -195,8 +195,19 @@ NoiseModel fit_noise(const std::vector<Measurement>& measurements, bool lossy) {
 
 }  // namespace
 
+internal::CodesAtPlaces internal::noise_places(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo) {
+  return {bracket, ref_from_photo, jittered_places(bracket.size(), kPlaces)};
+}
+
 NoiseEstimate estimate_noise(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, const Response& response,
                              const std::vector<bool>& left_out, const std::vector<double>& exposures) {
+  internal::CodesAtPlaces seen = internal::noise_places(bracket, ref_from_photo);
+  seen.look_at(bracket);
+  return internal::estimate_noise(bracket, seen, response, left_out, exposures);
+}
+
+NoiseEstimate internal::estimate_noise(const Bracket& bracket, const CodesAtPlaces& seen, const Response& response,
+                                       const std::vector<bool>& left_out, const std::vector<double>& exposures) {
   HDR_ASSERT(response.bits == bracket.bits());
   const std::size_t shots = bracket.shots.size();
   HDR_ASSERT(left_out.empty() || left_out.size() == shots);
@@ -205,8 +216,7 @@ NoiseEstimate estimate_noise(const Bracket& bracket, const std::vector<Mat3>& re
   const auto exposure = [&](std::size_t shot) {
     return exposures.empty() ? bracket.shots[shot].relative_exposure() : exposures[shot];
   };
-  const std::array<SampledCodes, 3> codes =
-      internal::codes_at_places(bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces));
+  const std::array<SampledCodes, 3>& codes = seen.codes();
   const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
   NoiseEstimate estimate;
   std::array<double, 3> count{}, beyond{};

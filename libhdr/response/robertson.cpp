@@ -41,8 +41,10 @@ struct Pixels {
 Observations sample_pixels(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, int pixels) {
   Observations seen;
   seen.bits = bracket.bits();
-  const std::vector<internal::SamplePlace> places = internal::jittered_places(bracket.size(), pixels);
-  const std::array<std::vector<int>, 3> codes = internal::codes_at_places(bracket, ref_from_photo, places);
+  internal::CodesAtPlaces sample(bracket, ref_from_photo, internal::jittered_places(bracket.size(), pixels));
+  sample.look_at(bracket);
+  const std::vector<internal::SamplePlace>& places = sample.places();
+  const std::array<std::vector<int>, 3>& codes = sample.codes();
   const std::size_t shots = bracket.shots.size();
   seen.ln_exposure.resize(static_cast<Eigen::Index>(shots));
   for (std::size_t c = 0; c < 3; ++c) {

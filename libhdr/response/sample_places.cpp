@@ -39,28 +39,30 @@ std::vector<SamplePlace> places_in_photo(const std::vector<SamplePlace>& places,
   return moved;
 }
 
-std::array<std::vector<int>, 3> codes_at_places(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
-                                                const std::vector<SamplePlace>& places) {
-  HDR_ASSERT(ref_from_photo.empty() || ref_from_photo.size() == bracket.shots.size());
-  const std::size_t shots = bracket.shots.size();
-  std::array<std::vector<int>, 3> codes;
-  for (std::vector<int>& channel : codes) channel.assign(places.size() * shots, -1);
-  for_rows(static_cast<int>(shots), 1, [&](int shot, int) {
+CodesAtPlaces::CodesAtPlaces(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
+                             std::vector<SamplePlace> places)
+    : size_(bracket.size()), shots_(bracket.shots.size()), ref_from_photo_(ref_from_photo), places_(std::move(places)) {
+  HDR_ASSERT(ref_from_photo.empty() || ref_from_photo.size() == shots_);
+  for (std::vector<int>& channel : codes_) channel.assign(places_.size() * shots_, -1);
+}
+
+void CodesAtPlaces::look_at(std::size_t j, const Photo& photo) {
+  const std::vector<SamplePlace> seen =
+      places_in_photo(places_, ref_from_photo_.empty() ? nullptr : &ref_from_photo_[j], size_);
+  const auto read = [&](const auto& image) {
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (seen[i].x < 0) continue;
+      for (std::size_t c = 0; c < 3; ++c) codes_[c][i * shots_ + j] = image(seen[i].x, seen[i].y, static_cast<int>(c));
+    }
+  };
+  std::visit(read, photo.codes);
+}
+
+void CodesAtPlaces::look_at(const Bracket& bracket) {
+  for_rows(static_cast<int>(shots_), 1, [&](int shot, int) {
     const auto j = static_cast<std::size_t>(shot);
-    const std::vector<SamplePlace> seen =
-        places_in_photo(places, ref_from_photo.empty() ? nullptr : &ref_from_photo[j], bracket.size());
-    std::visit(
-        [&](const auto& image) {
-          for (std::size_t i = 0; i < seen.size(); ++i) {
-            if (seen[i].x < 0) continue;
-            for (std::size_t c = 0; c < 3; ++c) {
-              codes[c][i * shots + j] = image(seen[i].x, seen[i].y, static_cast<int>(c));
-            }
-          }
-        },
-        LoadedShot(bracket.shots[j])->codes);
+    look_at(j, *LoadedShot(bracket.shots[j]));
   });
-  return codes;
 }
 
 }  // namespace hdr::internal

@@ -70,7 +70,8 @@ void read_window(const Image<Code>& image, int x, int y, int radius, WindowCodes
 
 /// windows[(i * shots + j) * 3 + c]
 std::vector<WindowCodes> read_windows(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
-                                      const std::vector<Candidate>& grid) {
+                                      const std::vector<Candidate>& grid,
+                                      std::span<internal::CodesAtPlaces* const> onlookers) {
   const auto shots = bracket.shots.size();
   const int radius = std::min(bracket.size().width, bracket.size().height) >= 32 ? 1 : 0;
   std::vector<WindowCodes> windows(grid.size() * shots * 3);
@@ -79,6 +80,7 @@ std::vector<WindowCodes> read_windows(const Bracket& bracket, const std::vector<
       const Mat3 photo_from_ref = ref_from_photo.empty() ? Mat3::Identity().eval() : ref_from_photo[j].inverse().eval();
       const Size size = bracket.size();
       const LoadedShot shot(bracket.shots[j]);
+      for (internal::CodesAtPlaces* onlooker : onlookers) onlooker->look_at(j, *shot);
       for (std::size_t i = 0; i < grid.size(); ++i) {
         const Vec2 p = (photo_from_ref * Vec3(grid[i].x, grid[i].y, 1)).hnormalized();
         if (!(p.x() > -0.5 && p.y() > -0.5 && p.x() < size.width - 0.5 && p.y() < size.height - 0.5)) continue;
@@ -203,7 +205,8 @@ Eigen::MatrixXd channel_codes(const std::vector<WindowCodes>& windows, const std
 
 }  // namespace
 
-Observations sample_points(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, int points) {
+Observations sample_points(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, int points,
+                           std::span<internal::CodesAtPlaces* const> onlookers) {
   HDR_ASSERT(ref_from_photo.empty() || ref_from_photo.size() == bracket.shots.size());
   Observations observations;
   observations.bits = bracket.bits();
@@ -212,7 +215,7 @@ Observations sample_points(const Bracket& bracket, const std::vector<Mat3>& ref_
     observations.ln_exposure[static_cast<Eigen::Index>(j)] = std::log(bracket.shots[j].relative_exposure());
   }
   const std::vector<Candidate> grid = jittered_grid(bracket.size());
-  const std::vector<WindowCodes> windows = read_windows(bracket, ref_from_photo, grid);
+  const std::vector<WindowCodes> windows = read_windows(bracket, ref_from_photo, grid, onlookers);
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
     const double black = find_black_level(windows, bracket, observations.ln_exposure, c);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "libhdr/response/internal/observations.h"
-#include "libhdr/response/internal/sample_places.h"
 
 namespace hdr {
 namespace {
@@ -125,12 +124,14 @@ void measure_channel(const std::vector<int>& codes, const Eigen::VectorXd& ln_ex
 
 }  // namespace
 
-void measure_top_codes(const Bracket& bracket, const Eigen::VectorXd& ln_exposure,
-                       const std::vector<Mat3>& ref_from_photo, const std::array<std::vector<double>, 3>& deviation,
-                       Response& response) {
+internal::CodesAtPlaces top_places(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo) {
+  return {bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces)};
+}
+
+void measure_top_codes(const Bracket& bracket, const Eigen::VectorXd& ln_exposure, const internal::CodesAtPlaces& seen,
+                       const std::array<std::vector<double>, 3>& deviation, Response& response) {
   if (response.bits != 8) return;
-  const auto codes =
-      internal::codes_at_places(bracket, ref_from_photo, internal::jittered_places(bracket.size(), kPlaces));
+  const std::array<std::vector<int>, 3>& codes = seen.codes();
   const bool lossy = std::any_of(bracket.shots.begin(), bracket.shots.end(), [](const Photo& p) { return p.lossy; });
   const int last_fitted = static_cast<int>(usable_codes(response.bits, lossy).highest);
   // Compression's errors are cut off at 255, and pull down the median of what is within three codes of it.

@@ -2,10 +2,12 @@
 // What calibration looks at: points of the scene, and the code each of them had in each shot.
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "libhdr/core/photo.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/response/internal/sample_places.h"
 
 namespace hdr {
 
@@ -27,8 +29,9 @@ struct UsableCodes {
 UsableCodes usable_codes(int bits, bool lossy);
 
 /// At most about `points` scene points a channel, spread over the picture and over its codes, in the smoothest places:
-/// there misregistration and JPEG's ringing do least.
-Observations sample_points(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, int points);
+/// there misregistration and JPEG's ringing do least. `onlookers` look at each shot while it is decoded.
+Observations sample_points(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, int points,
+                           std::span<internal::CodesAtPlaces* const> onlookers = {});
 
 /// Points that are ranks instead of places: the q-quantiles of each shot's codes belong to the same radiance, since the
 /// response keeps order [Grossberg03]. Needs no registration.

@@ -17,10 +17,29 @@ struct SamplePlace {
 /// JPEG's blocks) is met in step. The same for the same size.
 std::vector<SamplePlace> jittered_places(Size size, int count);
 
-/// codes[channel][i * shots + j]: the code of the pixel of shot j nearest to place i; -1 outside the frame.
-/// `ref_from_photo` may be empty: registered.
-std::array<std::vector<int>, 3> codes_at_places(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo,
-                                                const std::vector<SamplePlace>& places);
+/// What the shots of a bracket have at one set of places. A shot may have to be decoded for it, so whoever decodes one
+/// for something else lets others look at it, too.
+class CodesAtPlaces {
+ public:
+  /// `ref_from_photo` may be empty: registered.
+  CodesAtPlaces(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo, std::vector<SamplePlace> places);
+
+  /// Looks at shot j, of which `photo` has the codes. Different shots may be looked at by different threads.
+  void look_at(std::size_t j, const Photo& photo);
+  /// Looks at all shots.
+  void look_at(const Bracket& bracket);
+
+  const std::vector<SamplePlace>& places() const { return places_; }
+  /// codes()[channel][i * shots + j]: the code of the pixel of shot j nearest to place i; -1 outside the frame.
+  const std::array<std::vector<int>, 3>& codes() const { return codes_; }
+
+ private:
+  Size size_;
+  std::size_t shots_;
+  std::vector<Mat3> ref_from_photo_;
+  std::vector<SamplePlace> places_;
+  std::array<std::vector<int>, 3> codes_;
+};
 
 /// Where shot j shows the places: nearest pixels, (-1, -1) outside the frame.
 std::vector<SamplePlace> places_in_photo(const std::vector<SamplePlace>& places, const Mat3* ref_from_photo, Size size);

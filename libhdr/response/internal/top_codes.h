@@ -6,6 +6,7 @@
 
 #include "libhdr/core/photo.h"
 #include "libhdr/core/vec.h"
+#include "libhdr/response/internal/sample_places.h"
 #include "libhdr/response/response.h"
 
 namespace hdr {
@@ -16,9 +17,9 @@ namespace hdr {
 /// per cent. So above the fit's last code g becomes the mean of what the fit extrapolates and of the medians (run out
 /// to the last code along a parabola), weighted by the inverse squares of `deviation`, the fit's doubt, and of those
 /// few per cent. 8-bit photographs; others keep their curve (their last codes are narrow). `ln_exposure`: of the shots,
-/// as the fit took them.
-void measure_top_codes(const Bracket& bracket, const Eigen::VectorXd& ln_exposure,
-                       const std::vector<Mat3>& ref_from_photo, const std::array<std::vector<double>, 3>& deviation,
-                       Response& response);
+/// as the fit took them; `seen`: top_places() of the bracket.
+void measure_top_codes(const Bracket& bracket, const Eigen::VectorXd& ln_exposure, const internal::CodesAtPlaces& seen,
+                       const std::array<std::vector<double>, 3>& deviation, Response& response);
+internal::CodesAtPlaces top_places(const Bracket& bracket, const std::vector<Mat3>& ref_from_photo);
 
 }  // namespace hdr
