@@ -169,21 +169,26 @@ class Placing {
         options_(options),
         start_({.radii = 96, .half_window_px = 5, .range_px = 3, .step_px = 0.25, .noise = noise, .starts = 3}),
         wide_({.radii = 360, .half_window_px = 7, .range_px = 3, .step_px = 0.125, .noise = noise, .starts = 3}),
-        close_({.radii = 360, .half_window_px = 5, .range_px = 1.5, .step_px = 0.125, .noise = noise}) {}
+        close_({.radii = kCloseRadii, .half_window_px = 5, .range_px = 1.5, .step_px = 0.125, .noise = noise}) {}
 
-  /// First within a few pixels, then close by with short profiles, in which what lies deeper in the ball has no say,
-  /// until they are read where the outline is. `elongates`: the ellipse's length is sought, too.
+  /// First within a few pixels, where long profiles see more, but also what lies deeper in the ball; or from the guess
+  /// itself: the one that has more evidence close by. `elongates`: the ellipse's length is sought, too.
   OutlineFit placed(const Ellipse& guess, bool elongates) const {
+    OutlineFit from_afar = settled(wide_.fit(picture_, guess, elongates).outline, elongates);
+    OutlineFit from_guess = settled(guess, elongates);
+    return from_guess.evidence > from_afar.evidence ? from_guess : from_afar;
+  }
+
+  /// Close by, with short profiles, until they are read where the outline is.
+  OutlineFit settled(Ellipse last, bool elongates) const {
     constexpr int kRounds = 4;
     constexpr double kSettled = 0.05;  // pixels
-    const auto shaped = [&](const Ellipse& outline) {
-      return options_.fov_degrees ? with_known_field(outline) : outline;
-    };
-    OutlineFit fit = wide_.fit(picture_, guess, elongates);
+    OutlineFit fit;
     for (int round = 0; round < kRounds; ++round) {
-      const Ellipse last = fit.outline;
-      fit = close_.fit(picture_, shaped(last), elongates);
-      if ((fit.outline.centre - last.centre).norm() + std::abs(fit.outline.minor - last.minor) < kSettled) break;
+      fit = close_.fit(picture_, options_.fov_degrees ? with_known_field(last) : last, elongates, fit.clocks);
+      const Ellipse& here = fit.outline;
+      if ((here.centre - last.centre).norm() + std::abs(here.minor - last.minor) < kSettled) break;
+      last = here;
     }
     return fit;
   }
@@ -207,9 +212,11 @@ class Placing {
   }
 
   static constexpr double kLeastElongation = 0.3;  ///< pixels by which an ellipse differs from a circle
-  // In ln likelihood over all radii, of which some thirty are independent. Of 52 balls four true ellipses had 195 to
-  // 398, of which 90 and more was left without their best quarter; false ones up to 471, but at most 58 without it.
-  static constexpr double kLeastGain = 150, kLeastGainElsewhere = 75;
+  static constexpr int kCloseRadii = 720;
+  // In ln likelihood over all radii, of which some thirty are independent. Of 52 balls four true ellipses had .54
+  // to 1.1 a radius, of which .25 and more was left without their best quarter; false ones up to 1.3, but at most .16
+  // without.
+  static constexpr double kLeastGain = 0.42 * kCloseRadii, kLeastGainElsewhere = 0.21 * kCloseRadii;
   static constexpr double kPlainElongation = 0.75;  ///< pixels; of 150 balls few far ones seemed to have more
   static constexpr double kNearest = 3;             ///< radii: nearer than that nobody photographs a ball
 

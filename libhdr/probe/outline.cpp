@@ -5,9 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
 
+#include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/luminance.h"
+#include "libhdr/probe/internal/whitened_squares.h"
 
 namespace hdr::internal {
 namespace {
@@ -58,6 +62,10 @@ Eigen::MatrixXd covariance(const Clock& clock, int half_window, double shift) {
   return seen * seen.transpose() + clock.noise * Eigen::MatrixXd::Identity(n, n);
 }
 
+/// A sample of all profiles a row, a profile a column; columns of zeros fill up the last vector. Single precision does
+/// for some fifteen samples near 0.
+using SampleRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// ln likelihood of profiles whose covariance is known up to its scale.
 class ProfileLikelihood {
  public:
@@ -65,18 +73,20 @@ class ProfileLikelihood {
     const Eigen::LLT<Eigen::MatrixXd> factor(covariance(clock, half_window, shift));
     const Eigen::MatrixXd lower = factor.matrixL();
     half_log_determinant_ = lower.diagonal().array().log().sum();
-    whitening_ = factor.matrixL().solve(Eigen::MatrixXd::Identity(lower.rows(), lower.cols()));
+    whitening_ = factor.matrixL().solve(Eigen::MatrixXd::Identity(lower.rows(), lower.cols())).cast<float>();
   }
-  /// Of each column.
-  Eigen::ArrayXd operator()(const Eigen::MatrixXd& profiles, double floor) const {
-    const Eigen::MatrixXd white = whitening_.triangularView<Eigen::Lower>() * profiles;
+  /// Of the first `count` columns.
+  Eigen::ArrayXd operator()(const SampleRows& profiles, Eigen::Index count, double floor) const {
+    Eigen::ArrayXf squares(profiles.cols());
+    whitened_squares(whitening_.data(), static_cast<int>(whitening_.rows()), profiles.data(), profiles.cols(),
+                     static_cast<int>(profiles.cols()), squares.data());
     return -0.5 * static_cast<double>(profiles.rows()) *
-               (white.colwise().squaredNorm().transpose().array() + floor).log() -
+               (squares.head(count) + static_cast<float>(floor)).log().cast<double>() -
            half_log_determinant_;
   }
 
  private:
-  Eigen::MatrixXd whitening_;
+  SampleRows whitening_;
   double half_log_determinant_;
 };
 
@@ -116,15 +126,15 @@ constexpr std::size_t kSights = 3;
 struct Profiles {
   std::vector<Vec4>
       shift_from_change;  ///< how far it moves outwards there when (cx, cy, both half-axes, the larger) grow
-  std::array<Eigen::MatrixXd, kSights> sights{};
+  std::array<SampleRows, kSights> sights{};
   std::array<Eigen::ArrayXd, kSights> without_outline{};  ///< ln likelihood
 
   std::size_t size() const { return shift_from_change.size(); }
 };
 
 /// (v / mean)^power - 1, times what keeps small changes of one size for any power.
-Eigen::VectorXd root_of(const Eigen::VectorXd& values, double power) {
-  return ((values.array() / std::max(values.mean(), 1e-30)).pow(power) - 1) * (0.5 / power);
+Eigen::VectorXf root_of(const Eigen::VectorXd& values, double power) {
+  return (((values.array() / std::max(values.mean(), 1e-30)).pow(power) - 1) * (0.5 / power)).cast<float>();
 }
 
 /// Variance of a sight's noise for pixels of this deviation.
@@ -138,7 +148,8 @@ Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, in
   const Vec2 along = outline.along, aside(-along.y(), along.x());
   const Size size{picture.luminance.width(), picture.luminance.height()};
   Profiles profiles;
-  profiles.sights.fill(Eigen::MatrixXd(2 * half_window + 1, radii));
+  const int columns = (radii + kWhitenedColumns - 1) / kWhitenedColumns * kWhitenedColumns;
+  profiles.sights.fill(SampleRows::Zero(2 * half_window + 1, columns));
   for (int k = 0; k < radii; ++k) {
     const double angle = 2 * kPi * k / radii, c = std::cos(angle), s = std::sin(angle);
     const Vec2 from_centre = outline.major * c * along + outline.minor * s * aside;
@@ -159,9 +170,6 @@ Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, in
     profiles.sights[1].col(column) = root_of(luminance, 0.25);
     profiles.sights[2].col(column) = root_of(red, 0.25) - root_of(blue, 0.25);
     profiles.shift_from_change.emplace_back(normal.x(), normal.y(), growth, longer);
-  }
-  for (auto& sight : profiles.sights) {
-    sight.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(profiles.size()));
   }
   return profiles;
 }
@@ -191,7 +199,7 @@ namespace {
 std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, double noise) {
   constexpr double kChannel = 1.5;  // noise of a channel against that of luminance
   const double variance = 2 * 0.25 * kChannel * kChannel * noise * noise;
-  const Eigen::MatrixXd& colour = profiles.sights[2];
+  const Eigen::MatrixXd colour = profiles.sights[2].leftCols(static_cast<Eigen::Index>(profiles.size())).cast<double>();
   const Eigen::ArrayXd mean = colour.colwise().mean().transpose();
   const Eigen::ArrayXd spread =
       colour.colwise().squaredNorm().transpose().array() / static_cast<double>(colour.rows()) - mean.square();
@@ -208,10 +216,11 @@ class Evidence {
       radii_.push_back({shift_from_change, std::vector<double>(outline.size())});
     }
     const std::array<Eigen::ArrayXd, kSights> shares = shares_of(profiles, search.noise);
+    const auto count = static_cast<Eigen::Index>(profiles.size());
     for (std::size_t k = 0; k < kSights; ++k) {
       for (std::size_t s = 0; s < outline.size(); ++s) {
-        const Eigen::ArrayXd gain =
-            shares[k] * (outline[s](profiles.sights[k], noise_floor(search.noise, k)) - profiles.without_outline[k]);
+        const Eigen::ArrayXd gain = shares[k] * (outline[s](profiles.sights[k], count, noise_floor(search.noise, k)) -
+                                                 profiles.without_outline[k]);
         for (std::size_t r = 0; r < radii_.size(); ++r) {
           radii_[r].evidence[s] += gain[static_cast<Eigen::Index>(r)];
         }
@@ -336,7 +345,8 @@ std::vector<Summit> best_of_grid(const Evidence& evidence, double range, bool el
 OutlineModel::OutlineModel(const OutlineSearch& search)
     : search_(search), tables_(std::make_shared<const Tables>(search)) {}
 
-OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates) const {
+OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates,
+                             std::vector<std::size_t> clocks) const {
   Profiles profiles = read_profiles(picture, guess, search_.radii, tables_->half_window);
   OutlineFit fit;
   fit.in_frame = static_cast<double>(profiles.size()) / search_.radii;
@@ -348,26 +358,35 @@ OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess
     best =
         Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(profiles.size()), -std::numeric_limits<double>::infinity());
     for (const ProfileLikelihood& without : tables_->without) {
-      best = best.max(without(profiles.sights[k], noise_floor(search_.noise, k)));
+      best = best.max(without(profiles.sights[k], best.size(), noise_floor(search_.noise, k)));
     }
   }
   // Only the clocks that the grid finds best are looked at closely.
   constexpr std::size_t kClocks = 3;
   struct Candidate {
+    std::size_t clock;
     Evidence evidence;
     std::vector<Summit> starts;
   };
-  std::vector<Candidate> candidates;
-  for (const auto& outline : tables_->with) {
-    Evidence evidence(profiles, outline, search_);
-    std::vector<Summit> starts = best_of_grid(evidence, search_.range_px, elongates, search_.starts);
-    candidates.push_back({std::move(evidence), std::move(starts)});
+  if (clocks.empty()) {
+    clocks.resize(tables_->with.size());
+    std::iota(clocks.begin(), clocks.end(), std::size_t{0});
   }
+  std::vector<std::optional<Candidate>> made(clocks.size());
+  for_rows(static_cast<int>(clocks.size()), 1, [&](int k, int) {
+    const std::size_t clock = clocks[static_cast<std::size_t>(k)];
+    Evidence evidence(profiles, tables_->with[clock], search_);
+    std::vector<Summit> starts = best_of_grid(evidence, search_.range_px, elongates, search_.starts);
+    made[static_cast<std::size_t>(k)] = {clock, std::move(evidence), std::move(starts)};
+  });
+  std::vector<Candidate> candidates;
+  for (auto& each : made) candidates.push_back(std::move(*each));
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.starts.front().evidence > b.starts.front().evidence;
   });
   candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(std::min(kClocks, candidates.size())),
                    candidates.end());
+  for (const Candidate& candidate : candidates) fit.clocks.push_back(candidate.clock);
   const std::vector<Vec4> ways = ways_to_go(elongates);
   const Evidence* judge = nullptr;
   Summit best;

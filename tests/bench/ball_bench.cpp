@@ -14,6 +14,7 @@
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/io/read.h"
+#include "libhdr/io/write.h"
 #include "libhdr/probe/find_ball.h"
 #include "libhdr/probe/photograph.h"
 #include "libhdr/probe/photographer.h"
@@ -24,6 +25,7 @@ namespace {
 
 Size frame{1000, 750};  // times --scale
 double radius_scale = 1;
+std::filesystem::path pictures;  // --pictures: where photographs whose ball was not placed well are written
 
 struct Place {
   std::string name;
@@ -53,7 +55,8 @@ void add_noise(Image<float>& picture, double share, std::uint64_t seed) {
 /// Within what a finder may be asked for: half a pixel in centre and radius.
 bool ball_case(const Place& place, std::uint64_t seed, bool tell) {
   Random random(seed, 21);
-  const double r = radius_scale * (100 + 230 * random.uniform()), d = std::exp(std::log(5.0) + random.uniform() * std::log(20.0));
+  const double r = radius_scale * (100 + 230 * random.uniform()),
+               d = std::exp(std::log(5.0) + random.uniform() * std::log(20.0));
   MirrorBall ball{{0, 0, r}, d};
   const double room_x = 0.5 * frame.width - r - 8, room_y = 0.5 * frame.height - r - 8;
   ball.disc.cx = 0.5 * frame.width + room_x * (2 * random.uniform() - 1) * 0.7;
@@ -73,7 +76,13 @@ bool ball_case(const Place& place, std::uint64_t seed, bool tell) {
   if (tell)
     fmt::print("ball {:10} seed {:3}: r {:5.1f} D {:6.1f} {:.2f}: {} centre {:.2f} radius {:+.2f}\n", place.name, seed,
                r, ball.distance, chrome, found ? "found" : "LOST", centre, radius);
-  return centre <= 0.5 && std::abs(radius) <= 0.5;
+  const bool good = centre <= 0.5 && std::abs(radius) <= 0.5;
+  if (!good && !pictures.empty()) {
+    RadianceMap map;
+    map.rgb = std::move(picture);
+    write_map(pictures / fmt::format("{}_{}.exr", place.name, seed), map);
+  }
+  return good;
 }
 
 using Radiance = std::function<double(const Vec2&)>;
@@ -199,6 +208,7 @@ int run(int argc, char** argv) {
   app.add_option("--first-seed", first_seed);
   app.add_option("--only", only, "one kind");
   app.add_option("--scale", radius_scale, "pictures and balls so much larger");
+  app.add_option("--pictures", pictures, "folder for the photographs whose ball was not placed within half a pixel");
   app.add_flag("--tell", tell, "a line a case");
   CLI11_PARSE(app, argc, argv);
   frame = {static_cast<int>(frame.width * radius_scale), static_cast<int>(frame.height * radius_scale)};

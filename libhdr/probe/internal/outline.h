@@ -8,6 +8,7 @@
 // allowed, but a step alone is the edge of something else and counts as no evidence.
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "libhdr/core/image.h"
 #include "libhdr/probe/internal/ball_camera.h"
@@ -21,6 +22,7 @@ struct OutlineFit {
   double in_frame = 0;     ///< share of the outline that the picture shows
   double residual_px = 0;  ///< rms distance of the supporting radii's own best places from the outline
   int radii = 0;           ///< that the picture shows
+  std::vector<std::size_t> clocks;  ///< how fast the picture wanders along a radius, of what is tried: the best three
   std::array<double, 8> octants{};  ///< the evidence of all radii, summed by the eighth of the picture they point into
 };
 
@@ -43,8 +45,10 @@ struct OutlinePicture {
 class OutlineModel {
  public:
   explicit OutlineModel(const OutlineSearch& search);
-  /// `elongates`: the larger half-axis is sought, too; else both grow alike.
-  OutlineFit fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates = false) const;
+  /// `elongates`: the larger half-axis is sought, too; else both grow alike. `clocks`: those of a fit close by, where
+  /// the picture wanders as it does here; none: all are tried.
+  OutlineFit fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates = false,
+                 std::vector<std::size_t> clocks = {}) const;
 
   struct Tables;
 

@@ -24,6 +24,9 @@ struct RimStretch {
 
   /// Of what a sphere has and nothing painted.
   double mirrored() const { return stretch + spread; }
+  /// Likewise, by the lengthening that comes between the middle and the rim: a scene whose own texture lies one way
+  /// (clouds, a shore) adds to both alike.
+  double mirrored_by_rise() const { return stretch - 0.5 * in_middle + spread; }
 };
 
 /// From a picture of luminance (above 0) inside a circle. `noise`: the standard deviation of a pixel as a share of its

@@ -185,6 +185,38 @@ TEST(RimStretch, ASphereHasItAndADiscHasNot) {
   EXPECT_EQ(rim_of([](const Vec2&) { return 1.0; }).patterned, 0);
 }
 
+// Clouds and shores lie one way: that lengthens what a ball shows in its middle as at its rim, or shortens it.
+TEST(RimStretch, AScenesOwnDirectionDoesNotCount) {
+  const Disc disc{300, 250, 180};
+  const auto rim_of = [&](const auto& radiance) {
+    Image<float> picture(600, 500, 1);
+    for (int y = 0; y < 500; ++y) {
+      for (int x = 0; x < 600; ++x)
+        picture(x, y) = static_cast<float>(radiance(Vec2((x + 0.5 - disc.cx) / disc.r, (y + 0.5 - disc.cy) / disc.r)));
+    }
+    return internal::rim_stretch(picture, disc, 1e-3);
+  };
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const test::SoftRoom room(seed, 0.5);
+    const auto layers = [&](const Vec3& d) {
+      return room(Vec3(0.4 * d.x(), d.y(), 0.4 * d.z()), 1) * std::exp(0.3 * std::sin(20 * d.y() + double(seed)));
+    };
+    const auto ball = rim_of([&](const Vec2& p) {
+      const auto d = MirrorBall{{0, 0, 1}}.dir_from_px(p);
+      return d ? layers(*d) : 1.0;
+    });
+    const auto globe = rim_of(
+        [&](const Vec2& p) { return layers(Vec3(p.x(), p.y(), std::sqrt(std::max(0.0, 1 - p.squaredNorm())))); });
+    EXPECT_TRUE(is_mirrored(ball)) << "seed " << seed;
+    EXPECT_FALSE(is_mirrored(globe)) << "seed " << seed;
+    EXPECT_NEAR(ball.mirrored_by_rise(), 1.55, 0.15) << "seed " << seed << ", by stretch " << ball.mirrored();
+    EXPECT_LT(globe.mirrored_by_rise(), 0.7) << "seed " << seed;
+  }
+  // A ball under a night sky and the painted globe that comes nearest to it.
+  EXPECT_TRUE(internal::is_mirrored({.stretch = 0.46, .in_middle = -0.52, .spread = 0.23, .patterned = 0.99}));
+  EXPECT_FALSE(internal::is_mirrored({.stretch = 0.63, .in_middle = -0.07, .spread = 0.04, .patterned = 1.0}));
+}
+
 /// As an enlarged, compressed snapshot: each pixel the mean of a wide square, several times over.
 Image<float> blurred(const Image<float>& picture, int radius) {
   Image<float> result(picture.size(), 3);
