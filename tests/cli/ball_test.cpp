@@ -1,4 +1,5 @@
 // Mirror balls through the command: beside the camera's axis, with their reflectance.
+#include "libhdr/io/read.h"
 #include "tests/cli/fixture.h"
 
 namespace hdr::test {
@@ -41,6 +42,30 @@ TEST_F(Ball, BesideTheMiddleTheCamerasFieldGivesTheTrueRays) {
   answer_of({"unwrap", at("shots/truth.exr"), "-o", at("far.exr"), "--width", "256", "--from",
              "mirror-ball cx=180 cy=160 r=110"});
   EXPECT_GT(p99_from_world("far.exr"), 1.3 * p99_from_world("probe.exr")) << "a far camera's rays are others";
+}
+
+TEST_F(Ball, WhatOnlyABallHasNeedsNoFrom) {
+  photograph("shots", {"--ball-at", "300,225", "--ball-radius", "180"});
+  const std::string shot = at("shots/shot_00.png");
+  const auto unwrapped = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"unwrap", shot, "-o", at(name), "--width", "128"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    answer_of(arguments);
+    return read_map(at(name)).map.rgb.clone();
+  };
+  const Image<float> said = unwrapped("said.exr", {"--from", "mirror-ball", "--ball", "300,225,180"});
+  const Image<float> implied = unwrapped("implied.exr", {"--ball", "300,225,180"});
+  const Image<float> circle = unwrapped("circle.exr", {"--circle", "300,225,180"});
+  int same = 0, as_fisheye = 0;
+  for (int y = 0; y < said.height(); ++y) {
+    for (std::size_t k = 0; k < said.row_samples(); ++k) {
+      same += said.row(y)[k] == implied.row(y)[k];
+      as_fisheye += said.row(y)[k] == circle.row(y)[k];
+    }
+  }
+  EXPECT_EQ(same, 128 * 64 * 3);
+  EXPECT_LT(as_fisheye, 64 * 64 * 3) << "an image circle is a fisheye's";
+  EXPECT_EQ(run_hdr({"unwrap", shot, "-o", at("no.exr")}).exit_code, 1) << "nothing says what this 600x450 picture is";
 }
 
 /// Puts FocalLengthIn35mmFilm in the place of the ISO among a JPEG's EXIF, and says no other focal length.

@@ -221,23 +221,34 @@ WriteOptions WriteFlags::options() const {
 }
 
 void UnwrapFlags::declare(CLI::App& app) {
-  app.add_option("--from", from, std::string("what the picture is (default: its hdr:projection): ") + kProjectionNames);
+  app.add_option(
+      "--from", from,
+      std::string(
+          "what the picture is (default: its hdr:projection; mirror-ball with --ball, --distance, --camera-fov or "
+          "--reflectance, fisheye with --circle): ") +
+          kProjectionNames);
   app.add_option("--to", to, "what to write: the same, and cube-cross-vertical")->capture_default_str();
   app.add_option("--width", width, "width to write, pixels")->check(CLI::Range(1, 65536))->capture_default_str();
-  app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")->capture_default_str();
+  const auto implies_ball = [this](const std::string&) { implied_from = MirrorBall::kName; };
+  app.add_option("--ball", ball, "the ball's outline CX,CY,R in pixels, or auto: found")
+      ->capture_default_str()
+      ->each(implies_ball);
+  app.add_option("--distance", distance,
+                 "camera to the ball's centre, in ball radii (default: by the focal length in EXIF, of a photograph or "
+                 "of those that were merged, else far)")
+      ->each(implies_ball);
   app.add_option(
-      "--distance", distance,
-      "camera to the ball's centre, in ball radii (default: by the focal length in EXIF, of a photograph or of those "
-      "that were merged, else far)");
-  app.add_option(
-      "--camera-fov", camera_fov,
-      "horizontal field of the whole photograph that shows the ball, degrees: gives the distance, and the true "
-      "rays of a ball beside the middle");
+         "--camera-fov", camera_fov,
+         "horizontal field of the whole photograph that shows the ball, degrees: gives the distance, and the true "
+         "rays of a ball beside the middle")
+      ->each(implies_ball);
   app.add_option("--reflectance", reflectance,
-                 "R,G,B: the share of light the ball gives back head-on, e.g. 0.55,0.56,0.55 for chrome; divided out");
+                 "R,G,B: the share of light the ball gives back head-on, e.g. 0.55,0.56,0.55 for chrome; divided out")
+      ->each(implies_ball);
   app.add_option("--circle", circle,
                  "a fisheye's image circle CX,CY,R in pixels, or auto: its hdr:projection's, else found")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->each([this](const std::string&) { implied_from = Fisheye::kName; });
   app.add_option("--fov", fov,
                  "field in degrees of a rectilinear picture or a panorama (horizontal) or across a fisheye's circle "
                  "(default: its hdr:projection's, or 90, 360 and 180)");
@@ -265,6 +276,11 @@ void UnwrapFlags::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--from-convention", from_convention, "likewise, of the lat-long or the cube that is read")
       ->check(conventions);
+}
+
+std::string UnwrapFlags::from_of(const std::string& tag, const std::string& otherwise) const {
+  if (!from.empty() || !tag.empty()) return from;
+  return implied_from.empty() ? otherwise : implied_from;
 }
 
 void UnwrapFlags::declare_seam(CLI::App& app) {

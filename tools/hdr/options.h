@@ -98,8 +98,11 @@ struct UnwrapFlags {
   bool level = false;
   std::string reflectance;
   int width = 2048;
+  std::string implied_from;  ///< what options speak of that only a ball, or only a fisheye, has
 
   void declare(CLI::App& app);
+  /// What a picture is whose own tag is `tag`: --from; where both are silent, what other options imply, or `otherwise`.
+  std::string from_of(const std::string& tag, const std::string& otherwise = "") const;
   /// --seam, of verbs that join two fisheyes.
   void declare_seam(CLI::App& app);
   /// `name` with the field that --fov, --vfov and --centre say, where it is a bare "panorama".

@@ -22,7 +22,8 @@ struct Options {
 bool are_ball_views(const Options& o) {
   if (o.images.size() < 2) return false;
   if (!o.unwrap.from.empty()) return o.unwrap.from.starts_with(MirrorBall::kName);
-  return read_map(o.images[0]).map.projection.starts_with(MirrorBall::kName);
+  const std::string tag = read_map(o.images[0]).map.projection;
+  return (tag.empty() ? o.unwrap.implied_from : tag).starts_with(MirrorBall::kName);
 }
 
 /// Options that are of one picture.

@@ -17,7 +17,7 @@ constexpr double kUsualField = 190;  ///< of the lenses of such cameras
 
 /// What is known of a lens: its own tag, the options, the circle that is found.
 Fisheye guess(Run& run, const RadianceMap& picture, const UnwrapFlags& flags, const std::string& name) {
-  Projection from = projection_of_probe(flags.from, picture.projection, picture.size(), name);
+  Projection from = projection_of_probe(flags.from_of(picture.projection), picture.projection, picture.size(), name);
   const bool tagged = picture.projection.starts_with(Fisheye::kName);
   const bool geometry_given = tagged || flags.from.find('=') != std::string::npos;
   if (!geometry_given) std::get<Fisheye>(from).fov_degrees = kUsualField;
@@ -42,9 +42,10 @@ Json numbers_of(const Mat3& m) {
 
 bool are_fisheye_pair(const std::vector<const RadianceMap*>& pictures, const UnwrapFlags& flags) {
   if (pictures.size() != 2) return false;
-  if (!flags.from.empty()) return flags.from.starts_with(Fisheye::kName);
-  return std::all_of(pictures.begin(), pictures.end(),
-                     [](const RadianceMap* p) { return p->projection.starts_with(Fisheye::kName); });
+  return std::all_of(pictures.begin(), pictures.end(), [&](const RadianceMap* p) {
+    const std::string from = flags.from_of(p->projection);
+    return (from.empty() ? p->projection : from).starts_with(Fisheye::kName);
+  });
 }
 
 RadianceMap unwrap_fisheye_pair(Run& run, const RadianceMap& front, const RadianceMap& back, const UnwrapFlags& flags,

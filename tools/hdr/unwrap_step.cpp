@@ -220,7 +220,7 @@ BallGeometry ball_geometry(Run& run, const RadianceMap& picture, const UnwrapFla
 
 RadianceMap unwrap_picture(Run& run, const RadianceMap& picture, const UnwrapFlags& flags,
                            const std::string& default_from, const std::string& source) {
-  const std::string from_text = flags.from.empty() && picture.projection.empty() ? default_from : flags.from;
+  const std::string from_text = flags.from_of(picture.projection, default_from);
   if (!flags.crop.empty()) {
     const RadianceMap part = cropped(picture, flags, from_text, source);
     UnwrapFlags whole = flags;
