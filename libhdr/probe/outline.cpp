@@ -122,6 +122,10 @@ using Vec4 = Eigen::Vector4d;
 /// dark beside a bright floor.
 constexpr std::size_t kSights = 3;
 
+bool has_say(std::size_t sight, const OutlineSearch& search) {
+  return sight == 0 || !search.plain;
+}
+
 /// The profiles across an outline, a column each.
 struct Profiles {
   std::vector<Vec4>
@@ -143,7 +147,7 @@ double noise_floor(double noise, std::size_t sight) {
 }
 
 /// Where the outline lies in the picture. Beyond the frame the last pixels go on.
-Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, int radii, int half_window) {
+Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, int radii, int half_window, bool plain) {
   constexpr double kInside = 2;  // pixels of the outside that must be seen
   const Vec2 along = outline.along, aside(-along.y(), along.x());
   const Size size{picture.luminance.width(), picture.luminance.height()};
@@ -166,10 +170,11 @@ Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, in
       blue[i] = bilinear(picture.blue, px);
     }
     const auto column = static_cast<Eigen::Index>(profiles.size());
+    profiles.shift_from_change.emplace_back(normal.x(), normal.y(), growth, longer);
     profiles.sights[0].col(column) = root_of(luminance, 0.5);
+    if (plain) continue;
     profiles.sights[1].col(column) = root_of(luminance, 0.25);
     profiles.sights[2].col(column) = root_of(red, 0.25) - root_of(blue, 0.25);
-    profiles.shift_from_change.emplace_back(normal.x(), normal.y(), growth, longer);
   }
   return profiles;
 }
@@ -196,15 +201,17 @@ namespace {
 
 /// Of each sight in the evidence of each radius: both of luminance are of one light; colour has a say as far as it
 /// changes by more than its noise, which is about the same in red and in blue, and greater than that of luminance.
-std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, double noise) {
+std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, const OutlineSearch& search) {
+  const Eigen::Index count = static_cast<Eigen::Index>(profiles.size());
+  const auto constant = [&](double value) { return Eigen::ArrayXd::Constant(count, value); };
+  if (search.plain) return {constant(1), constant(0), constant(0)};
   constexpr double kChannel = 1.5;  // noise of a channel against that of luminance
-  const double variance = 2 * 0.25 * kChannel * kChannel * noise * noise;
-  const Eigen::MatrixXd colour = profiles.sights[2].leftCols(static_cast<Eigen::Index>(profiles.size())).cast<double>();
+  const double variance = 2 * 0.25 * kChannel * kChannel * search.noise * search.noise;
+  const Eigen::MatrixXd colour = profiles.sights[2].leftCols(count).cast<double>();
   const Eigen::ArrayXd mean = colour.colwise().mean().transpose();
   const Eigen::ArrayXd spread =
       colour.colwise().squaredNorm().transpose().array() / static_cast<double>(colour.rows()) - mean.square();
-  const Eigen::ArrayXd half = Eigen::ArrayXd::Constant(colour.cols(), 0.5);
-  return {half, half, (1 - 3 * variance / spread.max(1e-30)).max(0)};
+  return {constant(0.5), constant(0.5), (1 - 3 * variance / spread.max(1e-30)).max(0)};
 }
 
 /// What the radii say of an outline at each shift, under one clock.
@@ -215,9 +222,10 @@ class Evidence {
     for (const Vec4& shift_from_change : profiles.shift_from_change) {
       radii_.push_back({shift_from_change, std::vector<double>(outline.size())});
     }
-    const std::array<Eigen::ArrayXd, kSights> shares = shares_of(profiles, search.noise);
+    const std::array<Eigen::ArrayXd, kSights> shares = shares_of(profiles, search);
     const auto count = static_cast<Eigen::Index>(profiles.size());
     for (std::size_t k = 0; k < kSights; ++k) {
+      if (!has_say(k, search)) continue;
       for (std::size_t s = 0; s < outline.size(); ++s) {
         const Eigen::ArrayXd gain = shares[k] * (outline[s](profiles.sights[k], count, noise_floor(search.noise, k)) -
                                                  profiles.without_outline[k]);
@@ -347,13 +355,14 @@ OutlineModel::OutlineModel(const OutlineSearch& search)
 
 OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates,
                              std::vector<std::size_t> clocks) const {
-  Profiles profiles = read_profiles(picture, guess, search_.radii, tables_->half_window);
+  Profiles profiles = read_profiles(picture, guess, search_.radii, tables_->half_window, search_.plain);
   OutlineFit fit;
   fit.in_frame = static_cast<double>(profiles.size()) / search_.radii;
   fit.radii = static_cast<int>(profiles.size());
   fit.outline = guess;
   if (profiles.size() == 0) return fit;
   for (std::size_t k = 0; k < kSights; ++k) {
+    if (!has_say(k, search_)) continue;
     Eigen::ArrayXd& best = profiles.without_outline[k];
     best =
         Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(profiles.size()), -std::numeric_limits<double>::infinity());
