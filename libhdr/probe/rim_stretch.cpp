@@ -143,7 +143,7 @@ bool is_mirrored(const RimStretch& rim) {
   constexpr double kMostInMiddle = 1, kLeastSpread = -0.35, kMostSpread = 0.9;
   // Of 400 balls a few lay beyond these bounds by up to a tenth, all of them plainly stretched and without noise, which
   // of 190 other things in those bounds none was.
-  constexpr double kPlainStretch = 1.1, kPlainlyPatterned = 0.95, kLeeway = 0.15;
+  constexpr double kPlainStretch = 1.1, kPlainlyPatterned = 0.9, kLeeway = 0.15;
   const double leeway = rim.stretch >= kPlainStretch && rim.patterned >= kPlainlyPatterned ? kLeeway : 0;
   // Before a shore or under clouds a ball's stretch may fall to a painted globe's, whose rise is .7 at most.
   constexpr double kLeastByRise = 0.85, kSpreads = 0.1;

@@ -9,16 +9,20 @@
 #include <functional>
 #include <map>
 
+#include "libhdr/align/align.h"
 #include "libhdr/core/color.h"
 #include "libhdr/core/median.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/io/read.h"
 #include "libhdr/io/write.h"
+#include "libhdr/merge/merge.h"
 #include "libhdr/probe/find_ball.h"
 #include "libhdr/probe/photograph.h"
 #include "libhdr/probe/photographer.h"
+#include "libhdr/response/expose.h"
 #include "tests/support/round_thing.h"
+#include "tests/support/support.h"
 
 namespace hdr {
 namespace {
@@ -52,6 +56,30 @@ void add_noise(Image<float>& picture, double share, std::uint64_t seed) {
   }
 }
 
+bool compressed = false;  // --jpeg
+
+/// What becomes of `scene` on its way through a camera's compressed bracket and a merge.
+Image<float> merged_from_jpegs(const Image<float>& scene, std::uint64_t seed) {
+  std::vector<float> values;
+  for (int y = 0; y < scene.height(); y += 4) {
+    for (int x = 0; x < scene.width(); x += 4) values.push_back(scene(x, y, 1));
+  }
+  constexpr int kShots = 5;
+  Sensor sensor{srgb_response(8)};
+  sensor.sensitivity = 0.18 / std::max(1e-9, static_cast<double>(median_of(values)));
+  const test::ScratchDir scratch;
+  Bracket bracket;
+  for (int k = 0; k < kShots; ++k) {
+    Exposure exposure;
+    exposure.seconds = std::exp2(2 * (k - kShots / 2));
+    const auto path = scratch / fmt::format("{}.jpg", k);
+    write_photo(path, expose(scene, exposure, sensor, kShots * seed + static_cast<std::uint64_t>(k)));
+    bracket.shots.push_back(read_photo(path));
+    bracket.input_order.push_back(k);
+  }
+  return std::move(merge(bracket, no_alignment(bracket), sensor.response).map.rgb);
+}
+
 /// Within what a finder may be asked for: half a pixel in centre and radius.
 bool ball_case(const Place& place, std::uint64_t seed, bool tell) {
   Random random(seed, 21);
@@ -69,7 +97,11 @@ bool ball_case(const Place& place, std::uint64_t seed, bool tell) {
   const Mat3 turn = rotation_from_degrees(random_turn(random));
   const Image<float> scene = with_photographer(place.map, 8, turn);
   Image<float> picture = photograph_ball(scene, frame, ball, 35, turn, Rgb::Constant(chrome));
-  add_noise(picture, 0.002 + 0.008 * random.uniform(), seed);
+  if (compressed) {
+    picture = merged_from_jpegs(picture, seed);
+  } else {
+    add_noise(picture, 0.002 + 0.008 * random.uniform(), seed);
+  }
   const auto found = find_ball(picture);
   const double centre = found ? std::hypot(found->ball.disc.cx - ball.disc.cx, found->ball.disc.cy - ball.disc.cy) : 99;
   const double radius = found ? found->ball.disc.r - r : 99;
@@ -208,6 +240,7 @@ int run(int argc, char** argv) {
   app.add_option("--first-seed", first_seed);
   app.add_option("--only", only, "one kind");
   app.add_option("--scale", radius_scale, "pictures and balls so much larger");
+  app.add_flag("--jpeg", compressed, "balls through five JPEG shots and a merge, instead of noise alone");
   app.add_option("--pictures", pictures, "folder for the photographs whose ball was not placed within half a pixel");
   app.add_flag("--tell", tell, "a line a case");
   CLI11_PARSE(app, argc, argv);
