@@ -1,6 +1,5 @@
 #include "libhdr/probe/internal/outline.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/luminance.h"
+#include "libhdr/probe/internal/profile_likelihood.h"
 #include "libhdr/probe/internal/whitened_squares.h"
 
 namespace hdr::internal {
@@ -19,100 +19,6 @@ namespace {
 constexpr double kMostEvidence = 30;  ///< that one radius may give: no arc outvotes the circle
 constexpr double kMostLoss = 20;      ///< that one radius may lose, off its own best place: blemishes are outvoted
 constexpr double kSupports = 3;       ///< evidence from which a radius counts as support
-
-/// What fraction of a sample's area, at distance u from it and beyond, lies on the far side. Bilinear reading of pixel
-/// means sees a blur of deviation 1/2 pixel: a triangle of half-width sqrt(6) / 2.
-double share_beyond(double u) {
-  constexpr double kHalfWidth = 1.2247;
-  const double t = std::clamp(u / kHalfWidth, -1.0, 1.0);
-  return t < 0 ? 1 - 0.5 * (1 + t) * (1 + t) : 0.5 * (1 - t) * (1 - t);
-}
-
-/// How fast radiance wanders along a radius.
-struct Clock {
-  bool outline;    ///< inside the clock runs as the square root of the distance to the rim
-  double step;     ///< expected size of a step at the rim
-  double outside;  ///< variance a pixel outside, against 1 for the first pixel inside
-  double noise;    ///< variance of a pixel, likewise
-};
-
-/// Covariance of a profile's samples: a random walk from the rim to both sides (natural pictures' spectra fall as those
-/// of random walks do), averaged over each sample's area.
-Eigen::MatrixXd covariance(const Clock& clock, int half_window, double shift) {
-  constexpr double kStep = 0.1;
-  const int n = 2 * half_window + 1;
-  const int steps = static_cast<int>((half_window + std::abs(shift) + 2) / kStep);
-  // The walk's steps, each scaled by its deviation, as seen by each sample.
-  Eigen::MatrixXd seen(n, 2 * steps + 5);
-  for (int i = 0; i < n; ++i) {
-    const double x = i - half_window - shift;  // positive outside
-    for (int j = 0; j < steps; ++j) {
-      const double from = j * kStep, to = from + kStep;
-      const double inside = clock.outline ? std::sqrt(to) - std::sqrt(from) : clock.outside * kStep;
-      seen(i, 2 * j) = std::sqrt(inside) * share_beyond(x + from + 0.5 * kStep);
-      seen(i, 2 * j + 1) = std::sqrt(clock.outside * kStep) * share_beyond(from + 0.5 * kStep - x);
-    }
-    // No surprise at all: any level, a step, an even slope outside; without an outline an even bend throughout.
-    seen(i, 2 * steps) = 100;
-    seen(i, 2 * steps + 1) = clock.step * share_beyond(x);
-    seen(i, 2 * steps + 2) = clock.outline ? 0.1 * std::max(x, 0.0) : 0.1 * x;
-    seen(i, 2 * steps + 3) = clock.outline ? 0 : 0.02 * x * x;
-    seen(i, 2 * steps + 4) = clock.outline ? 0 : 0.004 * x * x * x;
-  }
-  return seen * seen.transpose() + clock.noise * Eigen::MatrixXd::Identity(n, n);
-}
-
-/// A sample of all profiles a row, a profile a column; columns of zeros fill up the last vector. Single precision does
-/// for some fifteen samples near 0.
-using SampleRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// ln likelihood of profiles whose covariance is known up to its scale.
-class ProfileLikelihood {
- public:
-  ProfileLikelihood(const Clock& clock, int half_window, double shift) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(covariance(clock, half_window, shift));
-    const Eigen::MatrixXd lower = factor.matrixL();
-    half_log_determinant_ = lower.diagonal().array().log().sum();
-    whitening_ = factor.matrixL().solve(Eigen::MatrixXd::Identity(lower.rows(), lower.cols())).cast<float>();
-  }
-  /// Of the first `count` columns.
-  Eigen::ArrayXd operator()(const SampleRows& profiles, Eigen::Index count, double floor) const {
-    Eigen::ArrayXf squares(profiles.cols());
-    whitened_squares(whitening_.data(), static_cast<int>(whitening_.rows()), profiles.data(), profiles.cols(),
-                     static_cast<int>(profiles.cols()), squares.data());
-    return -0.5 * static_cast<double>(profiles.rows()) *
-               (squares.head(count) + static_cast<float>(floor)).log().cast<double>() -
-           half_log_determinant_;
-  }
-
- private:
-  SampleRows whitening_;
-  double half_log_determinant_;
-};
-
-/// How the picture wanders is not known beforehand: these are tried, one for all the radii of a circle.
-std::vector<Clock> outline_clocks() {
-  std::vector<Clock> result;
-  for (const double outside : {1e-4, 1e-3, 1e-2, 0.1, 1.0}) {
-    for (const double noise : {1e-4, 1e-2}) result.push_back({true, 0.5, outside, noise});
-  }
-  return result;
-}
-
-/// What else a radius may cross, each for itself: nothing, or the edge of something that is no mirror.
-std::vector<ProfileLikelihood> other_likelihoods(int half_window, int range) {
-  std::vector<ProfileLikelihood> result;
-  const auto add = [&](double step, double wander, double noise, int shift) {
-    result.emplace_back(Clock{false, step, wander, noise}, half_window, shift);
-  };
-  for (const double noise : {1e-3, 1e-1}) {
-    for (const double wander : {1e-3, 1.0}) add(0, wander, noise, 0);
-    for (int shift = -range; shift <= range; ++shift) {
-      for (const double step : {3.0, 30.0}) add(step, 1, noise, shift);
-    }
-  }
-  return result;
-}
 
 using Vec4 = Eigen::Vector4d;
 

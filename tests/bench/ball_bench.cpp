@@ -29,6 +29,7 @@ namespace {
 
 Size frame{1000, 750};  // times --scale
 double radius_scale = 1;
+bool compressed = false;         // --jpeg
 std::filesystem::path pictures;  // --pictures: where photographs whose ball was not placed well are written
 
 struct Place {
@@ -40,12 +41,17 @@ Vec3 random_turn(Random& random) {
   return {16 * random.uniform() - 8, 360 * random.uniform(), 6 * random.uniform() - 3};
 }
 
-void add_noise(Image<float>& picture, double share, std::uint64_t seed) {
+/// Of green, above 0: what a picture's brightness is measured by.
+double median_of_green(const Image<float>& picture, int step) {
   std::vector<float> values;
-  for (int y = 0; y < picture.height(); y += 4) {
-    for (int x = 0; x < picture.width(); x += 4) values.push_back(picture(x, y, 1));
+  for (int y = 0; y < picture.height(); y += step) {
+    for (int x = 0; x < picture.width(); x += step) values.push_back(picture(x, y, 1));
   }
-  const double floor = 0.02 * static_cast<double>(median_of(values));
+  return std::max(1e-9, static_cast<double>(median_of(values)));
+}
+
+void add_noise(Image<float>& picture, double share, std::uint64_t seed) {
+  const double floor = 0.02 * median_of_green(picture, 4);
   for (int y = 0; y < picture.height(); ++y) {
     Random random(seed, static_cast<std::uint64_t>(y));
     for (std::size_t k = 0; k < picture.row_samples(); ++k) {
@@ -56,17 +62,11 @@ void add_noise(Image<float>& picture, double share, std::uint64_t seed) {
   }
 }
 
-bool compressed = false;  // --jpeg
-
 /// What becomes of `scene` on its way through a camera's compressed bracket and a merge.
 Image<float> merged_from_jpegs(const Image<float>& scene, std::uint64_t seed) {
-  std::vector<float> values;
-  for (int y = 0; y < scene.height(); y += 4) {
-    for (int x = 0; x < scene.width(); x += 4) values.push_back(scene(x, y, 1));
-  }
   constexpr int kShots = 5;
   Sensor sensor{srgb_response(8)};
-  sensor.sensitivity = 0.18 / std::max(1e-9, static_cast<double>(median_of(values)));
+  sensor.sensitivity = 0.18 / median_of_green(scene, 4);
   const test::ScratchDir scratch;
   Bracket bracket;
   for (int k = 0; k < kShots; ++k) {
@@ -137,11 +137,7 @@ std::map<std::string, Radiance> round_things(Random& random, const Place& place)
             fy * ((1 - fx) * at(left, top + 1) + fx * at(left + 1, top + 1))) /
            median;
   };
-  std::vector<float> values;
-  for (int y = 0; y < place.map.height(); y += 3) {
-    for (int x = 0; x < place.map.width(); x += 3) values.push_back(place.map(x, y, 1));
-  }
-  const double median = std::max(1e-9, static_cast<double>(median_of(values)));
+  const double median = median_of_green(place.map, 3);
   const Mat3 turn = rotation_from_degrees(random_turn(random));
   const double half_field = 10 + 25 * random.uniform();
   std::vector<Vec3> lights;
@@ -216,11 +212,7 @@ Image<float> picture_of_thing(const Place& place, std::uint64_t seed, const std:
   Random random(seed, 22);
   Image<float> view =
       photograph_view(place.map, frame, 40 + 25 * random.uniform(), rotation_from_degrees(random_turn(random)));
-  std::vector<float> values;
-  for (int y = 0; y < frame.height; y += 4) {
-    for (int x = 0; x < frame.width; x += 4) values.push_back(view(x, y, 1));
-  }
-  const double median = std::max(1e-9, static_cast<double>(median_of(values)));
+  const double median = median_of_green(view, 4);
   const double r = radius_scale * (100 + 230 * random.uniform());
   const Disc disc{0.5 * frame.width + (0.5 * frame.width - r - 8) * (2 * random.uniform() - 1) * 0.7,
                   0.5 * frame.height + (0.5 * frame.height - r - 8) * (2 * random.uniform() - 1) * 0.7, r};
