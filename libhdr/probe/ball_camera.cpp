@@ -42,7 +42,7 @@ BallCamera camera_of(const MirrorBall& ball) {
 }
 
 Ellipse outline_of(const MirrorBall& ball) {
-  Ellipse outline{{ball.disc.cx, ball.disc.cy}, {1, 0}, ball.disc.r, ball.disc.r};
+  Ellipse outline = circle_of(ball.disc);
   if (on_axis(ball)) return outline;
   const double sin2 = 1 / (ball.distance * ball.distance), o = offset_of(ball);
   const double s = sin2_off_axis(ball.disc.r, o, sin2);

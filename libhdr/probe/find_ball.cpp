@@ -94,8 +94,7 @@ bool holds_reflection(const std::vector<Image<float>>& levels, const Ellipse& ou
   while (level + 1 < levels.size() && std::ldexp(outline.minor, -static_cast<int>(level)) > kResolvedRadius) ++level;
   const auto mirrored_in = [&](std::size_t k) {
     const Ellipse there = scaled(outline, std::ldexp(1.0, -static_cast<int>(k)));
-    const Disc disc{there.centre.x(), there.centre.y(), there.minor};
-    return internal::is_mirrored(internal::rim_stretch(levels[k], disc, noise_of(levels[k])));
+    return internal::is_mirrored(internal::rim_stretch(levels[k], there, noise_of(levels[k])));
   };
   return mirrored_in(level) || (level > 0 && mirrored_in(level - 1));
 }
@@ -119,7 +118,7 @@ OutlineFit best_circle(const Levels& levels) {
   std::vector<OutlineFit> fits(circles.size());
   for_rows(static_cast<int>(circles.size()), 1, [&](int k, int) {
     const Disc& disc = circles[static_cast<std::size_t>(k)];
-    fits[static_cast<std::size_t>(k)] = model.fit(picture, {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r});
+    fits[static_cast<std::size_t>(k)] = model.fit(picture, internal::circle_of(disc));
   });
   std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.evidence > b.evidence; });
   std::vector<Ellipse> refused;
@@ -147,15 +146,14 @@ std::optional<FoundBall> filling_ball(Image<float> luminance, const FindBallOpti
   constexpr int kSide = 160;
   const auto circle = internal::find_filling_circle(luminance);
   if (!circle) return std::nullopt;
-  const Disc& d = circle->disc;
+  const Ellipse outline = internal::circle_of(circle->disc);
   const Size size = luminance.size();
   const std::vector<Image<float>> levels = internal::halvings(std::move(luminance), kSide, kLeastSide);
   const double scale = std::exp2(1 - static_cast<double>(levels.size()));
-  if (!internal::is_mirrored(
-          internal::rim_stretch(levels.back(), {scale * d.cx, scale * d.cy, scale * d.r}, noise_of(levels.back())))) {
+  if (!internal::is_mirrored(internal::rim_stretch(levels.back(), scaled(outline, scale), noise_of(levels.back())))) {
     return std::nullopt;
   }
-  const MirrorBall ball = ball_of({{d.cx, d.cy}, {1, 0}, d.r, d.r}, size, options);
+  const MirrorBall ball = ball_of(outline, size, options);
   return FoundBall{ball, circle->support, circle->residual_px};
 }
 

@@ -10,10 +10,6 @@ namespace {
 
 constexpr double kHalfDiagonal = 0.7072;  ///< of a pixel: a centre this far inside the disc has its whole pixel inside
 
-Ellipse circle(const Disc& disc) {
-  return {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r};
-}
-
 /// dir_from_px with the formula of one region, beyond its edge.
 Vec3 extended_dir(const Cube& cube, int region, const Vec2& px) {
   const Cube::Face face = cube.faces()[static_cast<std::size_t>(region)];
@@ -54,13 +50,13 @@ Neighbourhood::Neighbourhood(View<const float> pixels, const Projection& project
   if (const auto disc = disc_of(projection)) {
     kind_ = std::holds_alternative<AngularMap>(projection) ? Kind::kContinued : Kind::kDisc;
     const auto* ball = std::get_if<MirrorBall>(&projection);
-    discs_ = {ball ? outline_of(*ball) : circle(*disc)};
+    discs_ = {ball ? outline_of(*ball) : circle_of(*disc)};
   }
   if (const auto* map = std::get_if<DualParaboloid>(&projection)) {
     kind_ = Kind::kContinued;
     const double r = 0.25 * map->size.width;
     boxes_.push_back(boxes_[0]);
-    discs_ = {circle({r, r, r}), circle({3 * r, r, r})};
+    discs_ = {circle_of({r, r, r}), circle_of({3 * r, r, r})};
   }
   if (const auto* cube = std::get_if<Cube>(&projection)) {
     kind_ = Kind::kContinued;

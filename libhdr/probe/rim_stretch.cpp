@@ -32,20 +32,22 @@ double bounded_root(double change) {
   return std::sqrt(std::min(std::abs(change), kMostChange));
 }
 
-Ring ring_at(View<const float> picture, const Disc& circle, double r) {
-  const double radius = r * circle.r;
+Ring ring_at(View<const float> picture, const Ellipse& outline, double r) {
+  const double radius = r * outline.minor;
   const int count = std::max(8, static_cast<int>(2 * kPi * radius));
   const double pixel = 2 * kPi * radius / count;
+  const Vec2 aside(-outline.along.y(), outline.along.x());
+  const double longer = outline.major / outline.minor;
   std::vector<double> values, changes;
   for (int k = 0; k < count; ++k) {
     const double azimuth = 2 * kPi * k / count;
+    const Vec2 unit = longer * std::cos(azimuth) * outline.along + std::sin(azimuth) * aside;
     const auto value = [&](double out) {
-      const Vec2 px(circle.cx + out * std::cos(azimuth), circle.cy + out * std::sin(azimuth));
-      return std::log(std::max(bilinear(picture, px), 1e-30));
+      return std::log(std::max(bilinear(picture, outline.centre + out * unit), 1e-30));
     };
-    const double x = circle.cx + (radius + 1) * std::cos(azimuth), y = circle.cy + (radius + 1) * std::sin(azimuth);
+    const Vec2 px = outline.centre + (radius + 1) * unit;
     values.push_back(value(radius));
-    if (!(x > 1 && y > 1 && x < picture.width() - 1 && y < picture.height() - 1)) continue;
+    if (!(px.x() > 1 && px.y() > 1 && px.x() < picture.width() - 1 && px.y() < picture.height() - 1)) continue;
     changes.push_back(value(radius + 0.5 * kAcross) - value(radius - 0.5 * kAcross));
   }
   Ring ring{r};
@@ -113,7 +115,7 @@ class Line {
 
 }  // namespace
 
-RimStretch rim_stretch(View<const float> luminance, const Disc& circle, double noise) {
+RimStretch rim_stretch(View<const float> luminance, const Ellipse& outline, double noise) {
   constexpr double kFirst = 0.4, kLast = 0.985, kStep = 0.02;
   constexpr double kLeastPattern = 0.05, kDarkest = 1e-4;
   constexpr double kReference = 2;  // ln of a sphere's lengthening
@@ -121,8 +123,8 @@ RimStretch rim_stretch(View<const float> luminance, const Disc& circle, double n
   const double floor = 0.8 * noise * 0.67 * std::sqrt(2.0);
   Line lengthenings, changes;
   int rings = 0;
-  for (double r = kFirst; r < kLast && (1 - r) * circle.r >= kFromRim; r += kStep) {
-    const Ring ring = ring_at(luminance, circle, r);
+  for (double r = kFirst; r < kLast && (1 - r) * outline.minor >= kFromRim; r += kStep) {
+    const Ring ring = ring_at(luminance, outline, r);
     if (!ring.seen) continue;
     ++rings;
     const double across = without_noise(ring.across, floor);

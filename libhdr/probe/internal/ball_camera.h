@@ -32,6 +32,10 @@ struct BallCamera {
   }
 };
 
+inline Ellipse circle_of(const Disc& disc) {
+  return {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r};
+}
+
 /// The camera that sees this outline at this distance.
 BallCamera camera_of(const MirrorBall& ball);
 

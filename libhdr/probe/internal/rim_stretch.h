@@ -8,7 +8,7 @@
 // from the middle on. Lengths are compared, not slopes: how steep a scene is at half the length depends on its
 // roughness.
 #include "libhdr/core/image.h"
-#include "libhdr/probe/projection.h"
+#include "libhdr/probe/internal/ball_camera.h"
 
 namespace hdr::internal {
 
@@ -29,9 +29,9 @@ struct RimStretch {
   double mirrored_by_rise() const { return stretch - 0.5 * in_middle + spread; }
 };
 
-/// From a picture of luminance (above 0) inside a circle. `noise`: the standard deviation of a pixel as a share of its
-/// value.
-RimStretch rim_stretch(View<const float> luminance, const Disc& circle, double noise);
+/// From a picture of luminance (above 0) inside an outline: an ellipse is taken for the circle it is stretched from.
+/// `noise`: the standard deviation of a pixel as a share of its value.
+RimStretch rim_stretch(View<const float> luminance, const Ellipse& outline, double noise);
 
 /// Whether that is a mirrored sphere's.
 bool is_mirrored(const RimStretch& rim);

@@ -155,7 +155,7 @@ TEST(RimStretch, ASphereHasItAndADiscHasNot) {
       for (int x = 0; x < 600; ++x)
         picture(x, y) = static_cast<float>(radiance(Vec2((x + 0.5 - disc.cx) / disc.r, (y + 0.5 - disc.cy) / disc.r)));
     }
-    return internal::rim_stretch(picture, disc, kNoise);
+    return internal::rim_stretch(picture, internal::circle_of(disc), kNoise);
   };
   double stretch = 0, spread = 0, painted = 0;
   int taken = 0;
@@ -194,7 +194,7 @@ TEST(RimStretch, AScenesOwnDirectionDoesNotCount) {
       for (int x = 0; x < 600; ++x)
         picture(x, y) = static_cast<float>(radiance(Vec2((x + 0.5 - disc.cx) / disc.r, (y + 0.5 - disc.cy) / disc.r)));
     }
-    return internal::rim_stretch(picture, disc, 1e-3);
+    return internal::rim_stretch(picture, internal::circle_of(disc), 1e-3);
   };
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const test::SoftRoom room(seed, 0.5);
@@ -218,6 +218,31 @@ TEST(RimStretch, AScenesOwnDirectionDoesNotCount) {
   EXPECT_TRUE(internal::is_mirrored({.stretch = 1.46, .in_middle = 0.63, .spread = -0.37, .patterned = 0.93}));
   EXPECT_FALSE(internal::is_mirrored({.stretch = 1.63, .in_middle = 1.59, .spread = -0.52, .patterned = 0.92}));
   EXPECT_FALSE(internal::is_mirrored({.stretch = 0.63, .in_middle = -0.07, .spread = 0.04, .patterned = 1.0}));
+}
+
+// Beside the axis of a near camera the outline is an ellipse; a circle of its smaller half-axis lies inside it.
+TEST(RimStretch, AnEllipseIsTakenForItsCircle) {
+  const internal::Ellipse wide{{300, 250}, Vec2(0.8, 0.6), 195, 180};
+  const Disc disc{wide.centre.x(), wide.centre.y(), wide.minor};
+  const MirrorBall ball{{0, 0, 1}};
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const test::SoftRoom room(seed, 0.5);
+    const auto picture_of = [&](const auto& squeezed) {
+      Image<float> picture(600, 500, 1);
+      for (int y = 0; y < 500; ++y) {
+        for (int x = 0; x < 600; ++x) {
+          const Vec2 p = (squeezed(Vec2(x + 0.5, y + 0.5)) - wide.centre) / wide.minor;
+          const auto d = ball.dir_from_px(p);
+          picture(x, y) = d ? static_cast<float>(room(*d, 1)) : 1.0f;
+        }
+      }
+      return picture;
+    };
+    const auto round = rim_stretch(picture_of([](const Vec2& px) { return px; }), internal::circle_of(disc), 1e-3);
+    const auto oval = rim_stretch(picture_of([&](const Vec2& px) { return wide.squeezed(px); }), wide, 1e-3);
+    EXPECT_NEAR(oval.stretch, round.stretch, 0.08) << "seed " << seed;
+    EXPECT_NEAR(oval.spread, round.spread, 0.05) << "seed " << seed;
+  }
 }
 
 /// As an enlarged, compressed snapshot: each pixel the mean of a wide square, several times over.
