@@ -6,6 +6,7 @@
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/ball_camera.h"
+#include "libhdr/probe/internal/ball_glimpse.h"
 #include "libhdr/probe/internal/luminance.h"
 #include "libhdr/probe/unwrap.h"
 
@@ -85,15 +86,6 @@ Image<float> without_wide_blur(const Image<float>& value, const Image<float>& we
 
 }  // namespace
 
-MirrorBall changed(const MirrorBall& ball, double inverse_distance, const Vec3& outline) {
-  constexpr double kFar = 1e-7;
-  MirrorBall result = ball;
-  result.distance = inverse_distance > kFar ? 1 / inverse_distance : std::numeric_limits<double>::infinity();
-  const double r = ball.disc.r;
-  result.disc = {ball.disc.cx + r * outline.x(), ball.disc.cy + r * outline.y(), r * (1 + outline.z())};
-  return result;
-}
-
 double visibility(const BallView& view, const Vec3& dir) {
   const auto px = view.ball.px_from_dir(dir);
   if (!px) return 0;
@@ -129,44 +121,6 @@ std::optional<double> LogView::at(const Vec3& dir, double inverse_distance, cons
   return bilinear(log_luminance, *px);
 }
 
-std::optional<Glimpse> LogView::glimpse(const Vec3& dir, double inverse_distance, const Vec3& outline) const {
-  constexpr double kStep = 1e-5;
-  const MirrorBall seen = changed(ball, inverse_distance, outline);
-  const auto inside = [&](const std::optional<Vec2>& px) {
-    return px && px->x() > 0 && px->y() > 0 && px->x() < log_luminance.width() && px->y() < log_luminance.height();
-  };
-  const auto px = seen.px_from_dir(dir);
-  if (!inside(px)) return std::nullopt;
-  Glimpse result;
-  result.px = *px;
-  const Vec3 a = dir.unitOrthogonal();
-  for (const Vec3& t : {a, Vec3(dir.cross(a))}) {
-    const auto moved = seen.px_from_dir((dir + kStep * t).normalized());
-    if (!moved) return std::nullopt;
-    result.px_from_dir += (*moved - *px) / kStep * t.transpose();
-  }
-  const auto farther = changed(ball, inverse_distance + kStep, outline).px_from_dir(dir);
-  if (!farther) return std::nullopt;
-  result.px_from_inverse_distance = (*farther - *px) / kStep;
-  result.px_from_growth = ball.disc.r * (*px - Vec2(seen.disc.cx, seen.disc.cy)) / seen.disc.r;
-  return result;
-}
-
-PatchMean LogView::mean(const Vec2& px, const Eigen::Matrix2d& sides) const {
-  // Three samples a side, with the deviation of a uniform one.
-  constexpr double kApart = 0.35355, kHalf = 0.5;
-  PatchMean result;
-  for (int k = 0; k < 9; ++k) {
-    const Vec2 at = px + kApart * sides * Vec2(k % 3 - 1, k / 3 - 1);
-    result.value += bilinear(log_luminance, at) / 9;
-    for (int axis = 0; axis < 2; ++axis) {
-      const Vec2 step = kHalf * Vec2::Unit(axis);
-      result.slope[axis] += (bilinear(log_luminance, at + step) - bilinear(log_luminance, at - step)) / 9;
-    }
-  }
-  return result;
-}
-
 LogView log_view(const BallView& view, double radius_px) {
   Image<float> luminance = luminance_of(view.rgb);
   double scale = 1;
@@ -183,12 +137,14 @@ LogView log_view(const BallView& view, double radius_px) {
   return result;
 }
 
-SphereMap::SphereMap(const BallView& view, int width) : side_(width) {
+SphereMap::SphereMap(const BallView& view, int width) : SphereMap(view, log_view(view, radius_for(width)), width) {}
+
+SphereMap::SphereMap(const BallView& view, const LogView& picture, int width) : side_(width) {
   constexpr double kPhotographersSay = 0.05;
   const Size size{width, width / 2};
-  // A pixel of the picture is a pixel of the map, in the middle of the ball.
-  const LogView picture = log_view(view, width / 3.0);
-  Image<float> value = resample(picture.log_luminance, picture.ball, LatLong{size}, size), weight(size, 1);
+  MirrorBall ball = picture.ball;
+  ball.distance = view.ball.distance;
+  Image<float> value = resample(picture.log_luminance, ball, LatLong{size}, size), weight(size, 1);
   for_rows(size.height, 8, [&](int first, int last) {
     for (int y = first; y < last; ++y) {
       for (int x = 0; x < size.width; ++x) {
@@ -200,8 +156,9 @@ SphereMap::SphereMap(const BallView& view, int width) : side_(width) {
   });
   value = without_wide_blur(value, weight);
   cells_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
-  for (int y = 0; y < side_; ++y) {
-    for (int x = 0; x < side_; ++x) {
+  for_rows(side_ * side_, side_, [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      const int x = k % side_, y = k / side_;
       double u = 2 * (x + 0.5) / side_ - 1, v = 2 * (y + 0.5) / side_ - 1;
       const double z = 1 - std::abs(u) - std::abs(v);
       if (z < 0) {  // the lower half is folded out
@@ -210,9 +167,9 @@ SphereMap::SphereMap(const BallView& view, int width) : side_(width) {
         u = folded;
       }
       const Vec3 dir = Vec3(u, v, z).normalized();
-      cells_[static_cast<std::size_t>(y * side_ + x)] = {latlong_at(value, dir), latlong_at(weight, dir)};
+      cells_[static_cast<std::size_t>(k)] = {latlong_at(value, dir), latlong_at(weight, dir)};
     }
-  }
+  });
 }
 
 const SphereMap::Cell& SphereMap::at(const Vec3& dir) const {
@@ -226,6 +183,33 @@ const SphereMap::Cell& SphereMap::at(const Vec3& dir) const {
   const int x = std::clamp(static_cast<int>(0.5 * (u + 1) * side_), 0, side_ - 1);
   const int y = std::clamp(static_cast<int>(0.5 * (v + 1) * side_), 0, side_ - 1);
   return cells_[static_cast<std::size_t>(y * side_ + x)];
+}
+
+SampledSphere::SampledSphere(const SphereMap& map, const std::vector<Vec3>& directions)
+    : directions_(directions.size()) {
+  for (const Vec3& dir : directions) {
+    if (const SphereMap::Cell& cell = map.at(dir); cell.weight > 0) samples_.push_back({dir, cell});
+  }
+}
+
+double SampledSphere::correlation(const SphereMap& other, const Mat3& here_from_other) const {
+  constexpr double kLeastOverlap = 0.04;  ///< mean weight of the directions; it is 0.3 when all of both views overlaps
+  const Mat3 other_from_here = here_from_other.transpose();
+  double w = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+  for (const auto& [dir, here] : samples_) {
+    const SphereMap::Cell& there = other.at(other_from_here * dir);
+    const double weight = static_cast<double>(here.weight * there.weight);
+    const double va = static_cast<double>(here.value), vb = static_cast<double>(there.value);
+    w += weight;
+    sa += weight * va;
+    sb += weight * vb;
+    saa += weight * va * va;
+    sbb += weight * vb * vb;
+    sab += weight * va * vb;
+  }
+  if (w < kLeastOverlap * static_cast<double>(directions_)) return -1;
+  const double variance = (saa - sa * sa / w) * (sbb - sb * sb / w);
+  return variance > 0 ? (sab - sa * sb / w) / std::sqrt(variance) : 0;
 }
 
 std::vector<Vec3> even_directions(int count) {

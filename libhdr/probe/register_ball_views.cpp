@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/median.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/ball_views.h"
+#include "libhdr/probe/internal/ball_glimpse.h"
 #include "libhdr/probe/internal/ball_sphere.h"
 #include "libhdr/probe/internal/rotation_search.h"
 #include "libhdr/probe/internal/same_pixels.h"
@@ -87,13 +89,9 @@ void constrain(ceres::Problem& problem, const BallView& view, Unknowns& u) {
   }
 }
 
-/// What two views of one direction say, where both see it well enough.
-struct Pair {
-  std::size_t i, j;
-  Vec3 dir;
-  double weight;
-};
+using Pair = internal::ViewDifferences::Pair;
 
+/// Directions that two views see well enough, scaled by the root of how well.
 std::vector<Pair> pairs_of(const std::vector<BallView>& views, const std::vector<Unknowns>& unknowns, int directions) {
   constexpr double kLeastWeight = 0.02;
   std::vector<Pair> pairs;
@@ -102,7 +100,7 @@ std::vector<Pair> pairs_of(const std::vector<BallView>& views, const std::vector
       for (const Vec3& dir : internal::even_directions(directions)) {
         const double weight = pair_weight(views[i], views[j], unknowns[i].probe_from_view().transpose() * dir,
                                           unknowns[j].probe_from_view().transpose() * dir);
-        if (weight >= kLeastWeight) pairs.push_back({i, j, dir, weight});
+        if (weight >= kLeastWeight) pairs.push_back({i, j, dir, std::sqrt(weight)});
       }
     }
   }
@@ -141,17 +139,16 @@ void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns,
   }
   std::vector<BallView> seen;
   for (std::size_t k = 0; k < views.size(); ++k) seen.push_back(as_registered(views[k], unknowns[k]));
-  const std::vector<Pair> pairs = pairs_of(seen, unknowns, directions);
+  std::vector<Pair> pairs = pairs_of(seen, unknowns, directions);
   const double deviation = deviation_of(pairs, pictures, unknowns);
-  ceres::Problem problem;
-  ceres::LossFunction* loss = new ceres::CauchyLoss(kCauchy);
-  for (const auto& [i, j, dir, weight] : pairs) {
-    auto* cost = new internal::ViewDifference({&pictures[i], unknowns[i].first}, {&pictures[j], unknowns[j].first}, dir,
-                                              std::sqrt(weight) / deviation);
-    problem.AddResidualBlock(cost, loss, unknowns[i].turn, unknowns[j].turn, &unknowns[i].log_gain,
-                             &unknowns[j].log_gain, &unknowns[i].inverse_distance, &unknowns[j].inverse_distance,
-                             unknowns[i].outline, unknowns[j].outline);
-  }
+  for (Pair& pair : pairs) pair.scale /= deviation;
+  std::vector<internal::FittedView> fitted;
+  for (Unknowns& u : unknowns) fitted.push_back({u.first, u.turn, &u.log_gain, &u.inverse_distance, u.outline});
+  internal::ViewDifferences differences(std::move(fitted), pictures, std::move(pairs));
+  ceres::Problem::Options shared;
+  shared.evaluation_callback = &differences;
+  ceres::Problem problem(shared);
+  differences.add_to(problem, new ceres::CauchyLoss(kCauchy));
   if (problem.NumResidualBlocks() == 0) return;
   for (std::size_t k = 0; k < views.size(); ++k) {
     if (!problem.HasParameterBlock(unknowns[k].turn)) continue;
@@ -204,7 +201,8 @@ double overlap_rms(const std::vector<BallView>& views, const std::vector<Unknown
 
 double detail_correlation(const BallView& a, const BallView& b, const Mat3& a_from_b) {
   constexpr int kWidth = 192, kDirections = 8000;
-  return internal::correlation({a, kWidth}, {b, kWidth}, a_from_b, internal::even_directions(kDirections));
+  const internal::SampledSphere here(internal::SphereMap(a, kWidth), internal::even_directions(kDirections));
+  return here.correlation(internal::SphereMap(b, kWidth), a_from_b);
 }
 
 /// Log of the gain that brings view b to view a: the weighted median of their differences.
@@ -307,8 +305,10 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& giv
     if (k == 1) unknowns[0].inverse_distance = best.partner_inverse_distance;
     unknowns[k].log_gain = unknowns[best.partner].log_gain + best.log_gain;
   }
-  refine(views, unknowns, 50, 1500);
-  refine(views, unknowns, 120, 6000);
+  if (views.size() > 2) {  // two were placed that well on their own
+    refine(views, unknowns, 50, 1500);
+    refine(views, unknowns, 120, 6000);
+  }
   refine(views, unknowns, 280, 40000);
 
   std::vector<BallView> fitted;

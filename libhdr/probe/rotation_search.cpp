@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
@@ -28,9 +29,9 @@ bool better(const RotationMatch& a, const RotationMatch& b) {
 }
 
 /// Climbs by turning about the three axes by ever smaller steps.
-RotationMatch climbed(const SphereMap& a, const SphereMap& b, RotationMatch match, const std::vector<Vec3>& directions,
-                      double first_step, double last_step) {
-  match.correlation = correlation(a, b, match.a_from_b, directions);
+RotationMatch climbed(const SampledSphere& a, const SphereMap& b, RotationMatch match, double first_step,
+                      double last_step) {
+  match.correlation = a.correlation(b, match.a_from_b);
   for (double step = first_step; step > last_step; step *= 0.5) {
     constexpr int kMostRounds = 12;
     bool moved = true;
@@ -39,7 +40,7 @@ RotationMatch climbed(const SphereMap& a, const SphereMap& b, RotationMatch matc
       for (int axis = 0; axis < 3; ++axis) {
         for (const double sign : {-1.0, 1.0}) {
           const Mat3 turned = Eigen::AngleAxisd(sign * step, Vec3::Unit(axis)).toRotationMatrix() * match.a_from_b;
-          const double c = correlation(a, b, turned, directions);
+          const double c = a.correlation(b, turned);
           if (c <= match.correlation) continue;
           match.a_from_b = turned;
           match.correlation = c;
@@ -65,11 +66,11 @@ std::vector<RotationMatch> distinct(std::vector<RotationMatch> matches, std::siz
   return kept;
 }
 
-std::vector<RotationMatch> climb_all(const SphereMap& a, const SphereMap& b, std::vector<RotationMatch> matches,
-                                     const std::vector<Vec3>& directions, double first_step, double last_step) {
+std::vector<RotationMatch> climb_all(const SampledSphere& a, const SphereMap& b, std::vector<RotationMatch> matches,
+                                     double first_step, double last_step) {
   for_rows(static_cast<int>(matches.size()), 1, [&](int k, int) {
     RotationMatch& match = matches[static_cast<std::size_t>(k)];
-    match = climbed(a, b, match, directions, first_step, last_step);
+    match = climbed(a, b, match, first_step, last_step);
   });
   return matches;
 }
@@ -81,45 +82,50 @@ BallView at_distance(const BallView& view, double inverse_distance) {
   return result;
 }
 
+double inverse_of(double distance) {
+  return std::isinf(distance) ? 0 : 1 / distance;
+}
+
+/// One view's maps as from several distances, each made when it is first asked for.
+class MapsOfDistance {
+ public:
+  MapsOfDistance(const BallView& view, int width)
+      : view_(view), width_(width), picture_(log_view(view, SphereMap::radius_for(width))) {}
+  const SphereMap& operator()(double inverse_distance) {
+    const BallView seen = at_distance(view_, inverse_distance);
+    const double inverse = inverse_of(seen.ball.distance);
+    const auto known = maps_.find(inverse);
+    return known != maps_.end() ? known->second
+                                : maps_.emplace(inverse, SphereMap(seen, picture_, width_)).first->second;
+  }
+  double distance(double inverse_distance) const { return at_distance(view_, inverse_distance).ball.distance; }
+
+ private:
+  const BallView& view_;
+  int width_;
+  LogView picture_;
+  std::map<double, SphereMap> maps_;
+};
+
 /// Everywhere, coarsely; the best of it refined once.
 std::vector<RotationMatch> coarse_matches(const BallView& a, const BallView& b) {
   constexpr int kRotations = 60000;  // 6 degrees apart
   constexpr int kWidth = 64;
   const SphereMap map_a(a, kWidth), map_b(b, kWidth);
-  const std::vector<Vec3> few = even_directions(400), more = even_directions(1500);
+  const SampledSphere few(map_a, even_directions(400)), more(map_a, even_directions(1500));
   std::vector<RotationMatch> matches(kRotations);
   for_rows(kRotations, 500, [&](int first, int last) {
     for (int k = first; k < last; ++k) {
       RotationMatch& match = matches[static_cast<std::size_t>(k)];
       match.a_from_b = spread_rotation(k, kRotations);
-      match.correlation = correlation(map_a, map_b, match.a_from_b, few);
+      match.correlation = few.correlation(map_b, match.a_from_b);
     }
   });
   matches = distinct(std::move(matches), 60, 7 * kDegree);
-  return distinct(climb_all(map_a, map_b, std::move(matches), more, 3 * kDegree, 0.7 * kDegree), 8, 4 * kDegree);
+  return distinct(climb_all(more, map_b, std::move(matches), 3 * kDegree, 0.7 * kDegree), 8, 4 * kDegree);
 }
 
 }  // namespace
-
-double correlation(const SphereMap& a, const SphereMap& b, const Mat3& a_from_b, const std::vector<Vec3>& directions) {
-  constexpr double kLeastOverlap = 0.04;  ///< mean weight of the directions; it is 0.3 when all of both views overlaps
-  const Mat3 b_from_a = a_from_b.transpose();
-  double w = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-  for (const Vec3& dir : directions) {
-    const SphereMap::Cell &cell_a = a.at(dir), &cell_b = b.at(b_from_a * dir);
-    const double weight = static_cast<double>(cell_a.weight * cell_b.weight);
-    const double va = static_cast<double>(cell_a.value), vb = static_cast<double>(cell_b.value);
-    w += weight;
-    sa += weight * va;
-    sb += weight * vb;
-    saa += weight * va * va;
-    sbb += weight * vb * vb;
-    sab += weight * va * vb;
-  }
-  if (w < kLeastOverlap * static_cast<double>(directions.size())) return -1;
-  const double variance = (saa - sa * sa / w) * (sbb - sb * sb / w);
-  return variance > 0 ? (sab - sa * sb / w) / std::sqrt(variance) : 0;
-}
 
 std::vector<RotationMatch> match_rotations(const BallView& a, const BallView& b) {
   constexpr int kWidth = 192;
@@ -129,27 +135,27 @@ std::vector<RotationMatch> match_rotations(const BallView& a, const BallView& b)
   const std::vector<RotationMatch> starts = coarse_matches(at_distance(a, kTypical), at_distance(b, kTypical));
   const std::vector<Vec3> many = even_directions(6000);
   const bool known = a.distance_known && b.distance_known;
+  MapsOfDistance maps_a(a, kWidth), maps_b(b, kWidth);
   // Each start keeps the distances that suit it best.
   std::vector<RotationMatch> best(starts.size());
-  const auto consider = [&](const BallView& seen_a, const BallView& seen_b, const std::vector<RotationMatch>& from,
+  const auto consider = [&](double inverse_a, double inverse_b, const std::vector<RotationMatch>& from,
                             double first_step) {
-    const SphereMap map_a(seen_a, kWidth), map_b(seen_b, kWidth);
-    const std::vector<RotationMatch> climbed = climb_all(map_a, map_b, from, many, first_step, 0.3 * kDegree);
+    const SampledSphere seen_a(maps_a(inverse_a), many);
+    const std::vector<RotationMatch> climbed = climb_all(seen_a, maps_b(inverse_b), from, first_step, 0.3 * kDegree);
     for (std::size_t k = 0; k < climbed.size(); ++k) {
       if (climbed[k].correlation <= best[k].correlation) continue;
       best[k] = climbed[k];
-      best[k].distance_a = seen_a.ball.distance;
-      best[k].distance_b = seen_b.ball.distance;
+      best[k].distance_a = maps_a.distance(inverse_a);
+      best[k].distance_b = maps_b.distance(inverse_b);
     }
   };
   // One distance for both, where it is not known; then each for itself.
   for (const double inverse : {kTypical, 0.0, 0.035, 0.11, 0.16, 0.22}) {
-    consider(at_distance(a, inverse), at_distance(b, inverse), starts, 2.4 * kDegree);
+    consider(inverse, inverse, starts, 2.4 * kDegree);
     if (known) break;
   }
   best = distinct(std::move(best), kMost, kApart);
   if (known) return best;
-  const auto inverse_of = [](double distance) { return std::isinf(distance) ? 0 : 1 / distance; };
   const std::vector<RotationMatch> few = best;
   std::vector<RotationMatch> finished;
   for (const RotationMatch& match : few) {
@@ -157,9 +163,8 @@ std::vector<RotationMatch> match_rotations(const BallView& a, const BallView& b)
     for (const bool of_a : {true, false}) {
       for (const double change : {-0.04, 0.04}) {
         const RotationMatch from = best.front();
-        const BallView seen_a = at_distance(a, inverse_of(from.distance_a) + (of_a ? change : 0));
-        const BallView seen_b = at_distance(b, inverse_of(from.distance_b) + (of_a ? 0 : change));
-        consider(seen_a, seen_b, {from}, 1.2 * kDegree);
+        consider(inverse_of(from.distance_a) + (of_a ? change : 0), inverse_of(from.distance_b) + (of_a ? 0 : change),
+                 {from}, 1.2 * kDegree);
       }
     }
     finished.push_back(best.front());

@@ -17,7 +17,4 @@ struct RotationMatch {
 /// known; the best first, one at least. Rooms with two ends alike have two that only a closer look tells apart.
 std::vector<RotationMatch> match_rotations(const BallView& a, const BallView& b);
 
-/// Weighted correlation of two maps' detail under a rotation, -1 where they hardly overlap.
-double correlation(const SphereMap& a, const SphereMap& b, const Mat3& a_from_b, const std::vector<Vec3>& directions);
-
 }  // namespace hdr::internal

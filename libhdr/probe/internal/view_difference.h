@@ -1,36 +1,66 @@
 #pragma once
-// What two views of a ball differ by in one direction of the sphere, as a cost for Ceres.
-#include <ceres/sized_cost_function.h>
+// What two views of a ball differ by in one direction of the sphere, as costs for Ceres.
+//
+// A pixel of one view is long where one of the other is wide: each is read as a mean over what a pixel of the other
+// shows, so that both are equally blurred.
+#include <ceres/evaluation_callback.h>
+#include <ceres/problem.h>
+
+#include <array>
+#include <vector>
 
 #include "libhdr/core/vec.h"
 #include "libhdr/probe/internal/ball_sphere.h"
+#include "libhdr/probe/internal/patch_picture.h"
 
 namespace hdr::internal {
 
 /// A small turn (axis times angle) on top of a rotation.
 Mat3 turned(const Mat3& first, const double* turn);
 
-/// In deviations of what such differences are. A pixel of one view is long where one of the other is wide: each is read
-/// as a mean over what a pixel of the other shows, so that both are equally blurred.
-/// Blocks: turns of a and b, log gains, inverse distances, outlines (centre moved, radius grown, in radii).
-class ViewDifference : public ceres::SizedCostFunction<1, 3, 3, 1, 1, 1, 1, 3, 3> {
- public:
-  struct Side {
-    const LogView* picture;
-    Mat3 first;  ///< probe from view, before the turn
-  };
-  /// `scale`: root of the weight over the deviation.
-  ViewDifference(const Side& a, const Side& b, const Vec3& dir, double scale)
-      : sides_{a, b}, dir_(dir), scale_(scale) {}
+/// What is fitted of a view, where Ceres keeps it.
+struct FittedView {
+  Mat3 first;  ///< probe from view, before the turn
+  double *turn, *log_gain, *inverse_distance;
+  double* outline;  ///< centre moved, radius grown, in radii
+};
 
-  bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override;
+/// All differences of a problem. They are worked out in parallel, each on its own, as soon as the unknowns have
+/// changed; Ceres then takes them one by one, so that its sums stay in one order whatever the number of threads.
+class ViewDifferences : public ceres::EvaluationCallback {
+ public:
+  struct Pair {
+    std::size_t i, j;  ///< views
+    Vec3 dir;          ///< of the probe
+    double scale;      ///< root of the weight over the deviation that such differences have
+  };
+  ViewDifferences(std::vector<FittedView> views, const std::vector<LogView>& pictures, std::vector<Pair> pairs);
+
+  /// A residual a pair, to a problem whose evaluation_callback this is.
+  void add_to(ceres::Problem& problem, ceres::LossFunction* loss);
+  void PrepareForEvaluation(bool jacobians, bool new_point) override;
+
+  /// How a residual changes with what is fitted of one of its views.
+  struct Slopes {
+    double log_gain = 0, inverse_distance = 0;
+    std::array<double, 3> turn{}, outline{};
+  };
+  struct Difference {
+    double residual = 0;
+    std::array<Slopes, 2> slopes{};
+  };
 
  private:
-  bool look(const Glimpse& a, const Glimpse& b, PatchMean* light) const;
+  struct Sight;
+  Difference difference_of(const Pair& pair, const std::vector<Sight>& sights) const;
+  std::vector<double> unknowns() const;
 
-  Side sides_[2];
-  Vec3 dir_;
-  double scale_;
+  std::vector<FittedView> views_;
+  std::vector<MirrorBall> balls_;
+  std::vector<PatchPicture> pictures_;
+  std::vector<Pair> pairs_;
+  std::vector<double> known_for_;  ///< the unknowns that the differences belong to
+  std::vector<Difference> differences_;
 };
 
 }  // namespace hdr::internal
