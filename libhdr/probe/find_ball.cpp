@@ -44,27 +44,6 @@ Image<float> raised(Image<float> channel) {
   return channel;
 }
 
-/// The picture in halves of halves, the finest first.
-struct Levels {
-  explicit Levels(View<const float> rgb)
-      : luminance(internal::halvings(raised(internal::luminance_of(rgb)), kCoarseSide, kLeastSide)),
-        red(internal::halvings(raised(internal::channel_of(rgb, 0)), kCoarseSide, kLeastSide)),
-        blue(internal::halvings(raised(internal::channel_of(rgb, 2)), kCoarseSide, kLeastSide)) {}
-
-  std::size_t size() const { return luminance.size(); }
-  internal::OutlinePicture at(std::size_t level) const { return {luminance[level], red[level], blue[level]}; }
-
-  std::vector<Image<float>> luminance, red, blue;
-};
-
-Image<float> logarithm(const Image<float>& picture) {
-  Image<float> result(picture.size(), 1);
-  for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) result(x, y) = std::log(picture(x, y));
-  }
-  return result;
-}
-
 /// Standard deviation of a pixel's noise as a share of its value: from the median of |I(x-1) - 2 I(x) + I(x+1)|, which
 /// edges hardly move.
 double noise_of(const Image<float>& picture) {
@@ -76,6 +55,29 @@ double noise_of(const Image<float>& picture) {
     }
   }
   return second.empty() ? kLeast : std::max(kLeast, 1.4826 * static_cast<double>(median_of(second)) / std::sqrt(6.0));
+}
+
+/// The picture in halves of halves, the finest first.
+struct Levels {
+  explicit Levels(View<const float> rgb)
+      : luminance(internal::halvings(raised(internal::luminance_of(rgb)), kCoarseSide, kLeastSide)),
+        red(internal::halvings(raised(internal::channel_of(rgb, 0)), kCoarseSide, kLeastSide)),
+        blue(internal::halvings(raised(internal::channel_of(rgb, 2)), kCoarseSide, kLeastSide)) {}
+
+  std::size_t size() const { return luminance.size(); }
+  internal::OutlinePicture at(std::size_t level, bool plain) const {
+    return {luminance[level], red[level], blue[level], noise_of(luminance[level]), plain};
+  }
+
+  std::vector<Image<float>> luminance, red, blue;
+};
+
+Image<float> logarithm(const Image<float>& picture) {
+  Image<float> result(picture.size(), 1);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) result(x, y) = std::log(picture(x, y));
+  }
+  return result;
 }
 
 using internal::Ellipse;
@@ -108,13 +110,12 @@ bool nearly_alike(const Ellipse& a, const Ellipse& b) {
 /// The circle with the most evidence that holds a reflection, in the coarsest picture.
 OutlineFit best_circle(const Levels& levels) {
   const Image<float>& luminance = levels.luminance.back();
-  const internal::OutlinePicture picture = levels.at(levels.size() - 1);
+  const internal::OutlinePicture picture = levels.at(levels.size() - 1, false);
   const double scale = std::exp2(static_cast<double>(levels.size()) - 1);
   const double side = std::min(luminance.width(), luminance.height());
   const auto circles = internal::vote_for_circles(logarithm(luminance), std::max(8.0, kLeastRadius * side),
                                                   kMostRadius * side, kCandidates);
-  const internal::OutlineModel model(
-      {.radii = 96, .half_window_px = 5, .range_px = 4, .step_px = 0.5, .noise = noise_of(luminance)});
+  const internal::OutlineModel model({.radii = 96, .half_window_px = 5, .range_px = 4, .step_px = 0.5});
   std::vector<OutlineFit> fits(circles.size());
   for_rows(static_cast<int>(circles.size()), 1, [&](int k, int) {
     const Disc& disc = circles[static_cast<std::size_t>(k)];
@@ -167,15 +168,14 @@ std::optional<FoundBall> find_ball(View<const float> rgb, const FindBallOptions&
   const OutlineFit coarse = best_circle(levels);
   if (coarse.evidence < kLeastEvidence) return filling_ball(std::move(levels.luminance.front()), options);
 
+  const internal::OutlinePlacer place(options.fov_degrees);
   // From level to level the outline is placed more finely, as long as it is sharp enough to show there.
   double scale = std::exp2(static_cast<double>(levels.size()) - 1);
   Ellipse outline = scaled(coarse.outline, scale);
   FoundBall best{{}, coarse.support, scale * coarse.residual_px};
   double most = 0;  // evidence of a level so far; the coarsest may have held another circle for the best one
   for (std::size_t level = levels.size(); level-- > 0; scale *= 0.5) {
-    const OutlineFit fit =
-        internal::place_outline(levels.at(level), scaled(outline, 1 / scale),
-                                {options.fov_degrees, noise_of(levels.luminance[level]), level == 0});
+    const OutlineFit fit = place(levels.at(level, level == 0), scaled(outline, 1 / scale));
     const bool lost = !(fit.outline.minor > 1) || !std::isfinite(fit.outline.major);  // a fit to noise may run away
     if (lost || (level + 1 < levels.size() && fit.evidence < kBlurred * most)) break;
     most = std::max(most, fit.evidence);

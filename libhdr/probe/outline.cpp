@@ -28,8 +28,8 @@ using Vec4 = Eigen::Vector4d;
 /// dark beside a bright floor.
 constexpr std::size_t kSights = 3;
 
-bool has_say(std::size_t sight, const OutlineSearch& search) {
-  return sight == 0 || !search.plain;
+bool has_say(std::size_t sight, const OutlinePicture& picture) {
+  return sight == 0 || !picture.plain;
 }
 
 /// The profiles across an outline, a column each.
@@ -53,10 +53,10 @@ double noise_floor(double noise, std::size_t sight) {
 }
 
 /// Where the outline lies in the picture. Beyond the frame the last pixels go on.
-Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, int radii, int half_window, bool plain) {
+Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, int radii, int half_window) {
   constexpr double kInside = 2;  // pixels of the outside that must be seen
   const Vec2 along = outline.along, aside(-along.y(), along.x());
-  const Size size{picture.luminance.width(), picture.luminance.height()};
+  const Size size = picture.size();
   Profiles profiles;
   const int columns = (radii + kWhitenedColumns - 1) / kWhitenedColumns * kWhitenedColumns;
   profiles.sights.fill(SampleRows::Zero(2 * half_window + 1, columns));
@@ -78,7 +78,7 @@ Profiles read_profiles(const OutlinePicture& picture, const Ellipse& outline, in
     const auto column = static_cast<Eigen::Index>(profiles.size());
     profiles.shift_from_change.emplace_back(normal.x(), normal.y(), growth, longer);
     profiles.sights[0].col(column) = root_of(luminance, 0.5);
-    if (plain) continue;
+    if (picture.plain) continue;
     profiles.sights[1].col(column) = root_of(luminance, 0.25);
     profiles.sights[2].col(column) = root_of(red, 0.25) - root_of(blue, 0.25);
   }
@@ -107,12 +107,12 @@ namespace {
 
 /// Of each sight in the evidence of each radius: both of luminance are of one light; colour has a say as far as it
 /// changes by more than its noise, which is about the same in red and in blue, and greater than that of luminance.
-std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, const OutlineSearch& search) {
+std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, const OutlinePicture& picture) {
   const Eigen::Index count = static_cast<Eigen::Index>(profiles.size());
   const auto constant = [&](double value) { return Eigen::ArrayXd::Constant(count, value); };
-  if (search.plain) return {constant(1), constant(0), constant(0)};
+  if (picture.plain) return {constant(1), constant(0), constant(0)};
   constexpr double kChannel = 1.5;  // noise of a channel against that of luminance
-  const double variance = 2 * 0.25 * kChannel * kChannel * search.noise * search.noise;
+  const double variance = 2 * 0.25 * kChannel * kChannel * picture.noise * picture.noise;
   const Eigen::MatrixXd colour = profiles.sights[2].leftCols(count).cast<double>();
   const Eigen::ArrayXd mean = colour.colwise().mean().transpose();
   const Eigen::ArrayXd spread =
@@ -123,17 +123,18 @@ std::array<Eigen::ArrayXd, kSights> shares_of(const Profiles& profiles, const Ou
 /// What the radii say of an outline at each shift, under one clock.
 class Evidence {
  public:
-  Evidence(const Profiles& profiles, const std::vector<ProfileLikelihood>& outline, const OutlineSearch& search)
+  Evidence(const Profiles& profiles, const std::vector<ProfileLikelihood>& outline, const OutlineSearch& search,
+           const OutlinePicture& picture)
       : range_(search.range_px), step_(search.step_px) {
     for (const Vec4& shift_from_change : profiles.shift_from_change) {
       radii_.push_back({shift_from_change, std::vector<double>(outline.size())});
     }
-    const std::array<Eigen::ArrayXd, kSights> shares = shares_of(profiles, search);
+    const std::array<Eigen::ArrayXd, kSights> shares = shares_of(profiles, picture);
     const auto count = static_cast<Eigen::Index>(profiles.size());
     for (std::size_t k = 0; k < kSights; ++k) {
-      if (!has_say(k, search)) continue;
+      if (!has_say(k, picture)) continue;
       for (std::size_t s = 0; s < outline.size(); ++s) {
-        const Eigen::ArrayXd gain = shares[k] * (outline[s](profiles.sights[k], count, noise_floor(search.noise, k)) -
+        const Eigen::ArrayXd gain = shares[k] * (outline[s](profiles.sights[k], count, noise_floor(picture.noise, k)) -
                                                  profiles.without_outline[k]);
         for (std::size_t r = 0; r < radii_.size(); ++r) {
           radii_[r].evidence[s] += gain[static_cast<Eigen::Index>(r)];
@@ -261,19 +262,19 @@ OutlineModel::OutlineModel(const OutlineSearch& search)
 
 OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess, bool elongates,
                              std::vector<std::size_t> clocks) const {
-  Profiles profiles = read_profiles(picture, guess, search_.radii, tables_->half_window, search_.plain);
+  Profiles profiles = read_profiles(picture, guess, search_.radii, tables_->half_window);
   OutlineFit fit;
   fit.in_frame = static_cast<double>(profiles.size()) / search_.radii;
   fit.radii = static_cast<int>(profiles.size());
   fit.outline = guess;
   if (profiles.size() == 0) return fit;
   for (std::size_t k = 0; k < kSights; ++k) {
-    if (!has_say(k, search_)) continue;
+    if (!has_say(k, picture)) continue;
     Eigen::ArrayXd& best = profiles.without_outline[k];
     best =
         Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(profiles.size()), -std::numeric_limits<double>::infinity());
     for (const ProfileLikelihood& without : tables_->without) {
-      best = best.max(without(profiles.sights[k], best.size(), noise_floor(search_.noise, k)));
+      best = best.max(without(profiles.sights[k], best.size(), noise_floor(picture.noise, k)));
     }
   }
   // Only the clocks that the grid finds best are looked at closely.
@@ -290,7 +291,7 @@ OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess
   std::vector<std::optional<Candidate>> made(clocks.size());
   for_rows(static_cast<int>(clocks.size()), 1, [&](int k, int) {
     const std::size_t clock = clocks[static_cast<std::size_t>(k)];
-    Evidence evidence(profiles, tables_->with[clock], search_);
+    Evidence evidence(profiles, tables_->with[clock], search_, picture);
     std::vector<Summit> starts = best_of_grid(evidence, search_.range_px, elongates, search_.starts);
     made[static_cast<std::size_t>(k)] = {clock, std::move(evidence), std::move(starts)};
   });
@@ -303,21 +304,22 @@ OutlineFit OutlineModel::fit(const OutlinePicture& picture, const Ellipse& guess
                    candidates.end());
   for (const Candidate& candidate : candidates) fit.clocks.push_back(candidate.clock);
   const std::vector<Vec4> ways = ways_to_go(elongates);
-  const Evidence* judge = nullptr;
-  Summit best;
-  for (const Candidate& candidate : candidates) {
-    for (const Summit& start : candidate.starts) {
-      const Summit summit = climbed(candidate.evidence, start, search_.range_px, ways);
-      if (summit.evidence <= best.evidence) continue;
-      best = summit;
-      judge = &candidate.evidence;
-    }
-  }
+  const std::size_t starts = candidates.front().starts.size();  // the same of each
+  std::vector<Summit> summits(candidates.size() * starts);
+  for_rows(static_cast<int>(summits.size()), 1, [&](int first, int) {
+    const auto k = static_cast<std::size_t>(first);
+    const Candidate& candidate = candidates[k / starts];
+    summits[k] = climbed(candidate.evidence, candidate.starts[k % starts], search_.range_px, ways);
+  });
+  const auto highest = std::max_element(summits.begin(), summits.end(),
+                                        [](const Summit& a, const Summit& b) { return a.evidence < b.evidence; });
+  const Summit& best = *highest;
+  const auto clock = static_cast<std::size_t>(highest - summits.begin()) / starts;
   fit.evidence = best.evidence;
   const Vec4& change = best.change;
   fit.outline = {guess.centre + change.head<2>(), guess.along, guess.major + change[2] + change[3],
                  guess.minor + change[2]};
-  if (judge) judge->judge(change, fit);
+  candidates[clock].evidence.judge(change, fit);
   return fit;
 }
 

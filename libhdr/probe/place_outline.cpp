@@ -19,19 +19,31 @@ Ellipse pointing_at_middle(const Ellipse& outline, Size size) {
   return result;
 }
 
+constexpr int kCloseRadii = 720;
+
+OutlineModel model(int radii, int half_window, double range, double step, std::size_t starts) {
+  return OutlineModel(
+      {.radii = radii, .half_window_px = half_window, .range_px = range, .step_px = step, .starts = starts});
+}
+
+bool less_evidence(const OutlineFit& a, const OutlineFit& b) {
+  return a.evidence < b.evidence;
+}
+
 class Placing {
  public:
-  Placing(const OutlinePicture& picture, const PlaceOptions& options)
+  Placing(const OutlinePicture& picture, const std::optional<double>& fov_degrees, const OutlineModel& start,
+          const OutlineModel& wide, const OutlineModel& close)
       : picture_(picture),
-        size_{picture.luminance.width(), picture.luminance.height()},
-        options_(options),
-        start_(search(96, 5, 3, 0.25, 3)),
-        wide_(search(360, 7, 3, 0.125, 3)),
-        close_(search(kCloseRadii, 5, 1.5, 0.125, 1)) {}
+        size_(picture.size()),
+        fov_degrees_(fov_degrees),
+        start_(start),
+        wide_(wide),
+        close_(close) {}
 
   /// The outline near a guess. A circle, unless an ellipse has clearly more evidence.
   OutlineFit operator()(const Ellipse& guess) const {
-    if (options_.fov_degrees) return placed(start_with_known_field(guess), false);
+    if (fov_degrees_) return placed(start_with_known_field(guess), false);
     const double radius = 0.5 * (guess.major + guess.minor);
     const OutlineFit round = placed({guess.centre, guess.along, radius, radius}, false);
     if (most_elongation(guess) < kLeastElongation) return round;
@@ -44,16 +56,6 @@ class Placing {
   }
 
  private:
-  OutlineSearch search(int radii, int half_window, double range, double step, std::size_t starts) const {
-    return {.radii = radii,
-            .half_window_px = half_window,
-            .range_px = range,
-            .step_px = step,
-            .noise = options_.noise,
-            .plain = options_.plain,
-            .starts = starts};
-  }
-
   /// Within a few pixels, where long profiles see more, but also what lies deeper in the ball; from the guess itself;
   /// and from where few radii see most around it, since a coarser picture may have had another circle for the best one:
   /// whatever has most evidence close by. `elongates`: the ellipse's length is sought, too.
@@ -62,12 +64,12 @@ class Placing {
     if (!elongates) {
       for (const Ellipse& beside : best_beside(guess)) starts.push_back(beside);
     }
-    OutlineFit best = settled(starts[0], elongates);
-    for (std::size_t k = 1; k < starts.size(); ++k) {
-      OutlineFit fit = settled(starts[k], elongates);
-      if (fit.evidence > best.evidence) best = std::move(fit);
-    }
-    return best;
+    std::vector<OutlineFit> fits(starts.size());
+    for_rows(static_cast<int>(starts.size()), 1, [&](int first, int) {
+      const auto k = static_cast<std::size_t>(first);
+      fits[k] = settled(starts[k], elongates);
+    });
+    return *std::max_element(fits.begin(), fits.end(), less_evidence);
   }
 
   /// Of what few radii find from guesses up to kFar pixels off.
@@ -79,7 +81,7 @@ class Placing {
       for (const Vec2& offset : {Vec2(0, 0), Vec2(kFar, 0), Vec2(-kFar, 0), Vec2(0, kFar), Vec2(0, -kFar)}) {
         if ((dr == 0 && offset.isZero()) || guess.minor + dr < 2 * kFar) continue;
         const Ellipse beside{guess.centre + offset, guess.along, guess.major + dr, guess.minor + dr};
-        guesses.push_back(options_.fov_degrees ? with_known_field(beside) : beside);
+        guesses.push_back(fov_degrees_ ? with_known_field(beside) : beside);
       }
     }
     std::vector<OutlineFit> fits(guesses.size());
@@ -87,7 +89,7 @@ class Placing {
       const auto k = static_cast<std::size_t>(first);
       fits[k] = start_.fit(picture_, guesses[k]);
     });
-    std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.evidence > b.evidence; });
+    std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return less_evidence(b, a); });
     std::vector<Ellipse> best;
     for (const OutlineFit& fit : fits) {
       const auto alike = [&](const Ellipse& e) {
@@ -104,7 +106,7 @@ class Placing {
     constexpr double kSettled = 0.05;  // pixels
     OutlineFit fit;
     for (int round = 0; round < kRounds; ++round) {
-      fit = close_.fit(picture_, options_.fov_degrees ? with_known_field(last) : last, elongates, fit.clocks);
+      fit = close_.fit(picture_, fov_degrees_ ? with_known_field(last) : last, elongates, fit.clocks);
       const Ellipse& here = fit.outline;
       if ((here.centre - last.centre).norm() + std::abs(here.minor - last.minor) < kSettled) break;
       last = here;
@@ -131,7 +133,6 @@ class Placing {
   }
 
   static constexpr double kLeastElongation = 0.3;  ///< pixels by which an ellipse differs from a circle
-  static constexpr int kCloseRadii = 720;
   // In ln likelihood over all radii, of which some thirty are independent. Of 52 balls four true ellipses had .54
   // to 1.1 a radius, of which .25 and more was left without their best quarter; false ones up to 1.3, but at most .16
   // without.
@@ -189,7 +190,7 @@ class Placing {
 
   Ellipse with_known_field(const Ellipse& guess) const {
     const Disc disc{guess.centre.x(), guess.centre.y(), guess.minor};
-    return outline_of(ball_in_photograph(disc, size_, *options_.fov_degrees));
+    return outline_of(ball_in_photograph(disc, size_, *fov_degrees_));
   }
 
   /// What a wide-angle lens makes of a ball there, pixels: half the square of the angle off its axis.
@@ -200,16 +201,22 @@ class Placing {
     return 0.5 * guess.minor * (guess.centre - middle).squaredNorm() / (focal * focal);
   }
 
-  OutlinePicture picture_;
+  const OutlinePicture& picture_;
   Size size_;
-  PlaceOptions options_;
-  OutlineModel start_, wide_, close_;
+  std::optional<double> fov_degrees_;
+  const OutlineModel &start_, &wide_, &close_;
 };
 
 }  // namespace
 
-OutlineFit place_outline(const OutlinePicture& picture, const Ellipse& guess, const PlaceOptions& options) {
-  return Placing(picture, options)(guess);
+OutlinePlacer::OutlinePlacer(std::optional<double> fov_degrees)
+    : fov_degrees_(fov_degrees),
+      start_(model(96, 5, 3, 0.25, 3)),
+      wide_(model(360, 7, 3, 0.125, 3)),
+      close_(model(kCloseRadii, 5, 1.5, 0.125, 1)) {}
+
+OutlineFit OutlinePlacer::operator()(const OutlinePicture& picture, const Ellipse& guess) const {
+  return Placing(picture, fov_degrees_, start_, wide_, close_)(guess);
 }
 
 }  // namespace hdr::internal

@@ -31,11 +31,6 @@ struct OutlineSearch {
   int half_window_px = 7;  ///< profiles reach this far to both sides, beyond the search
   double range_px = 4;     ///< how far the outline may be from the first guess
   double step_px = 0.125;  ///< the places along a profile that are tried
-  double noise = 1e-3;     ///< standard deviation of a pixel, as a share of its value
-  /// Only the square root of luminance is looked at. Compression leaves colour at half the resolution, which leaks out
-  /// of the rim of a full-size picture; and under a higher root the brighter side of the rim spreads over the darker
-  /// one. But they see more of an outline while it is still far away.
-  bool plain = false;
   std::size_t starts = 1;  ///< places of a coarse grid from which the best one is sought
 };
 
@@ -43,6 +38,13 @@ struct OutlineSearch {
 /// changes.
 struct OutlinePicture {
   View<const float> luminance, red, blue;
+  double noise = 1e-3;  ///< standard deviation of a pixel, as a share of its value
+  /// Only the square root of luminance is looked at. Compression leaves colour at half the resolution, which leaks out
+  /// of the rim of a full-size picture; and under a higher root the brighter side of the rim spreads over the darker
+  /// one. But they see more of an outline while it is still far away.
+  bool plain = false;
+
+  Size size() const { return luminance.size(); }
 };
 
 /// Finds the outline near a guess with the most evidence.

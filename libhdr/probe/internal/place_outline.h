@@ -6,14 +6,17 @@
 
 namespace hdr::internal {
 
-struct PlaceOptions {
-  std::optional<double> fov_degrees;  ///< horizontal field of the whole picture: gives the ellipse's shape
-  double noise = 1e-3;                ///< standard deviation of a pixel, as a share of its value
-  bool plain = false;                 ///< OutlineSearch::plain
-};
+class OutlinePlacer {
+ public:
+  /// `fov_degrees`: horizontal field of the whole picture: gives the ellipse's shape.
+  explicit OutlinePlacer(std::optional<double> fov_degrees);
+  /// The outline with most evidence within about five pixels of the guess: a circle, unless an ellipse that points at
+  /// the picture's middle has clearly more, or the field is known.
+  OutlineFit operator()(const OutlinePicture& picture, const Ellipse& guess) const;
 
-/// The outline with most evidence within about five pixels of the guess: a circle, unless an ellipse that points at the
-/// picture's middle has clearly more, or the field is known.
-OutlineFit place_outline(const OutlinePicture& picture, const Ellipse& guess, const PlaceOptions& options);
+ private:
+  std::optional<double> fov_degrees_;
+  OutlineModel start_, wide_, close_;  ///< few radii; many, from afar; many, close by
+};
 
 }  // namespace hdr::internal
