@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
 
+#include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"
@@ -131,7 +135,19 @@ void verify(const std::vector<Size>& sizes, const std::vector<Features>& feature
   link.matches = std::move(agreeing);
 }
 
+double angle_between(const Mat3& a, const Mat3& b) {
+  return std::acos(std::clamp(0.5 * ((a.transpose() * b).trace() - 1), -1.0, 1.0));
+}
+
 }  // namespace
+
+/// Few features that repeat agree with a wrong rotation; what lies between them then agrees less than elsewhere. In
+/// the Uffizi's courtyard, whose two ends are alike, up to 23 did, at a correlation of .7 to .8 where true ones of 21
+/// to 52 have .90 to .95; a true one of .73 elsewhere has 102 matches.
+double strength_of(const PhotoLink& link) {
+  const double c = std::clamp(link.agreement, 0.0, 0.999);
+  return std::log(static_cast<double>(link.matches.size())) - std::log(1 - c * c);
+}
 
 Rectilinear camera_of(const SharedLens& lens, Size size) {
   const double f = lens.focal * longer_side(size);
@@ -167,20 +183,26 @@ double link_photos(const std::vector<Size>& sizes, const std::vector<Features>& 
   return focal;
 }
 
-LinkedGroup largest_group(int photos, const std::vector<PhotoLink>& links) {
-  std::vector<const PhotoLink*> strongest;
-  for (const PhotoLink& link : links) {
+LinkedGroup largest_group(int photos, std::vector<PhotoLink>& links) {
+  std::vector<PhotoLink*> strongest;
+  for (PhotoLink& link : links) {
     if (link.verified) strongest.push_back(&link);
   }
   std::stable_sort(strongest.begin(), strongest.end(),
-                   [](const PhotoLink* p, const PhotoLink* q) { return p->matches.size() > q->matches.size(); });
+                   [](const PhotoLink* p, const PhotoLink* q) { return strength_of(*p) > strength_of(*q); });
   // Groups grow along the strongest link between two of them [Kruskal56]; each keeps its own axes.
+  constexpr double kContradicts = 8 * kDegree;  // the focal length is not yet known to more than some per cent
   std::vector<int> group(static_cast<std::size_t>(photos));
   std::vector<Mat3> group_from_photo(group.size(), Mat3::Identity());
+  std::vector<std::size_t> tree;
   for (std::size_t k = 0; k < group.size(); ++k) group[k] = static_cast<int>(k);
-  for (const PhotoLink* link : strongest) {
+  for (PhotoLink* link : strongest) {
     const auto a = static_cast<std::size_t>(link->a), b = static_cast<std::size_t>(link->b);
-    if (group[a] == group[b]) continue;
+    if (group[a] == group[b]) {
+      link->verified = angle_between(group_from_photo[a] * link->a_from_b, group_from_photo[b]) < kContradicts;
+      continue;
+    }
+    tree.push_back(static_cast<std::size_t>(link - links.data()));
     const Mat3 a_group_from_b_group = group_from_photo[a] * link->a_from_b * group_from_photo[b].transpose();
     const int from = group[b], to = group[a];
     for (std::size_t k = 0; k < group.size(); ++k) {
@@ -193,6 +215,7 @@ LinkedGroup largest_group(int photos, const std::vector<PhotoLink>& links) {
   for (const int g : group) ++count[static_cast<std::size_t>(g)];
   const auto largest = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
   LinkedGroup result;
+  result.tree = std::move(tree);
   result.first_from_photo.assign(group.size(), Mat3::Identity());
   for (std::size_t k = 0; k < group.size(); ++k) {
     if (group[k] == largest) result.members.push_back(static_cast<int>(k));
@@ -203,6 +226,25 @@ LinkedGroup largest_group(int photos, const std::vector<PhotoLink>& links) {
         first.transpose() * group_from_photo[static_cast<std::size_t>(k)];
   }
   return result;
+}
+
+std::size_t weakest_between(int a, int b, const std::vector<std::size_t>& tree, const std::vector<PhotoLink>& links) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  // From a outwards; each photograph keeps the weakest link on the way to it.
+  std::map<int, std::size_t> weakest{{a, kNone}};
+  for (bool grown = true; grown && !weakest.contains(b);) {
+    grown = false;
+    for (const std::size_t k : tree) {
+      const PhotoLink& link = links[k];
+      if (weakest.contains(link.a) == weakest.contains(link.b)) continue;
+      const auto [from, to] = weakest.contains(link.a) ? std::pair(link.a, link.b) : std::pair(link.b, link.a);
+      const std::size_t so_far = weakest[from];
+      weakest[to] = so_far == kNone || strength_of(link) < strength_of(links[so_far]) ? k : so_far;
+      grown = true;
+    }
+  }
+  HDR_ASSERT(a != b && weakest.contains(b));
+  return weakest[b];
 }
 
 }  // namespace hdr::internal

@@ -3,10 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "libhdr/core/error.h"
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"
+#include "libhdr/probe/internal/photo_agreement.h"
 #include "libhdr/probe/internal/photo_light.h"
 #include "libhdr/probe/internal/photo_links.h"
 #include "libhdr/probe/internal/same_pixels.h"
@@ -39,6 +42,7 @@ std::optional<double> expected_focal(const std::vector<StitchPhoto>& photos) {
 struct Work {
   std::vector<Size> sizes;
   std::vector<Features> features;
+  std::vector<PhotoDetail> details;
   std::vector<PhotoLink> links;
   Bundle bundle;
   BundleFit fit;
@@ -51,6 +55,7 @@ void find_features(const std::vector<StitchPhoto>& photos, const std::vector<std
   for (std::size_t k = 0; k < photos.size(); ++k) {
     work.sizes.push_back(photos[k].rgb.size());
     work.features.emplace_back();
+    work.details.emplace_back(photos[k].rgb);
     for (std::size_t j = 0; j < k && stitch.photos[k].skipped.empty(); ++j) {
       if (!same_pixels(photos[j].rgb, photos[k].rgb)) continue;
       stitch.photos[k].skipped = "the same photograph as " + names[j];
@@ -73,6 +78,25 @@ void match_all(Work& work) {
     PhotoLink& link = work.links[static_cast<std::size_t>(first)];
     link.matches = match_features(work.features[static_cast<std::size_t>(link.a)],
                                   work.features[static_cast<std::size_t>(link.b)]);
+  });
+}
+
+Agreement agreement_of(const Work& work, std::size_t a, std::size_t b, const Mat3& a_from_b) {
+  const Rectilinear here = camera_of(work.bundle.lens, work.sizes[a]),
+                    there = camera_of(work.bundle.lens, work.sizes[b]);
+  return work.details[a].agreement(here, work.details[b], there, a_from_b);
+}
+
+/// Links whose photographs do not look alike where they should are none.
+void look_at_links(Work& work) {
+  constexpr double kLeast = 0.3;  // true ones have .7 and more, pictures of other things about 0
+  for_rows(static_cast<int>(work.links.size()), 1, [&](int first, int) {
+    PhotoLink& link = work.links[static_cast<std::size_t>(first)];
+    if (!link.verified) return;
+    link.agreement =
+        agreement_of(work, static_cast<std::size_t>(link.a), static_cast<std::size_t>(link.b), link.a_from_b)
+            .correlation;
+    link.verified = link.agreement >= kLeast;
   });
 }
 
@@ -122,6 +146,44 @@ bool adjust_lens(bool may_distort, Work& work) {
   return true;
 }
 
+/// A false link lays photographs over each other that no link connects and that do not look alike there. Of the links
+/// of the tree on the way between those the weakest, unless nothing contradicts or that is too strong to be doubted.
+std::optional<std::size_t> contradicted(const LinkedGroup& group, const std::vector<PhotoLink>& links,
+                                        const Work& work) {
+  // Of what overlaps by little; true pairs have .79 and more, false ones .37 to .83. The more two photographs share
+  // that no features link, the more alike they must look.
+  const auto unlike = [](double share) { return 0.6 + 0.5 * std::min(share, 0.5); };
+  constexpr double kLeastShare = 0.1, kLeastContrast = 0.03;
+  const double undoubted = std::log(100.0) - std::log(1 - 0.9 * 0.9);
+  std::vector<std::pair<int, int>> pairs;
+  for (const int a : group.members) {
+    for (const int b : group.members) {
+      const bool linked = std::any_of(links.begin(), links.end(), [&](const PhotoLink& link) {
+        return link.verified && link.a == a && link.b == b;
+      });
+      if (a < b && !linked) pairs.emplace_back(a, b);
+    }
+  }
+  std::vector<Agreement> agreements(pairs.size());
+  for_rows(static_cast<int>(pairs.size()), 1, [&](int first, int) {
+    const auto k = static_cast<std::size_t>(first);
+    const auto a = static_cast<std::size_t>(pairs[k].first), b = static_cast<std::size_t>(pairs[k].second);
+    agreements[k] =
+        agreement_of(work, a, b, work.bundle.probe_from_photo[a].transpose() * work.bundle.probe_from_photo[b]);
+  });
+  std::optional<std::size_t> worst;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Agreement& agreement = agreements[k];
+    if (agreement.share < kLeastShare || agreement.contrast < kLeastContrast ||
+        agreement.correlation > unlike(agreement.share))
+      continue;
+    if (!worst || agreement.correlation < agreements[*worst].correlation) worst = k;
+  }
+  if (!worst) return std::nullopt;
+  const std::size_t weakest = weakest_between(pairs[*worst].first, pairs[*worst].second, group.tree, links);
+  return strength_of(links[weakest]) < undoubted ? std::optional(weakest) : std::nullopt;
+}
+
 [[noreturn]] void throw_unconnected(const std::vector<std::string>& names, const Stitch& stitch) {
   std::size_t usable = 0;
   std::string reason;
@@ -139,6 +201,31 @@ bool adjust_lens(bool may_distort, Work& work) {
   throw Error(fmt::format(
       "{}: no two of {} photographs show enough of the same{}; let neighbours overlap by a third, or give --fov",
       names.front(), names.size(), reason));
+}
+
+/// The largest group that nothing contradicts, adjusted.
+LinkedGroup connected(bool may_distort, const std::vector<std::string>& names, Stitch& stitch, Work& work) {
+  const SharedLens lens = work.bundle.lens;
+  std::vector<PhotoLink> links = work.links;
+  for (;;) {
+    work.links = links;
+    work.bundle.lens = lens;
+    const LinkedGroup group = largest_group(static_cast<int>(names.size()), work.links);
+    if (group.members.size() < 2) throw_unconnected(names, stitch);
+    for (PhotoLink& link : work.links) {
+      const auto in_group = [&](int k) { return std::binary_search(group.members.begin(), group.members.end(), k); };
+      link.verified &= in_group(link.a) && in_group(link.b);
+    }
+    const std::vector<PhotoLink> agreeing = work.links;
+    work.bundle.probe_from_photo = group.first_from_photo;
+    work.bundle.fixed = group.members.front();
+    adjust(work.sizes, work.features, work.links, may_distort, 0.03, work.bundle);
+    match_again(group.members, work);
+    stitch.distorted = adjust_lens(may_distort, work);
+    const auto wrong = contradicted(group, agreeing, work);
+    if (!wrong) return group;
+    links[*wrong].verified = false;
+  }
 }
 
 /// The up vector is at right angles to all photographs' horizontals, which cameras that are not tilted sideways keep
@@ -214,19 +301,10 @@ Stitch solve_stitch(const std::vector<StitchPhoto>& photos, const std::vector<st
   const FocalRange range =
       expected ? FocalRange{*expected * std::exp(-2 * kFovKnown), *expected * std::exp(2 * kFovKnown)} : kAnyFocal;
   work.bundle.lens.focal = link_photos(work.sizes, work.features, range, work.links);
+  look_at_links(work);
   work.bundle.expected_focal = expected.value_or(work.bundle.lens.focal);
   work.bundle.focal_deviation = expected ? kFovKnown : kFovFound;
-  const LinkedGroup group = largest_group(static_cast<int>(photos.size()), work.links);
-  if (group.members.size() < 2) throw_unconnected(names, stitch);
-  for (PhotoLink& link : work.links) {
-    const auto in_group = [&](int k) { return std::binary_search(group.members.begin(), group.members.end(), k); };
-    link.verified &= in_group(link.a) && in_group(link.b);
-  }
-  work.bundle.probe_from_photo = group.first_from_photo;
-  work.bundle.fixed = group.members.front();
-  adjust(work.sizes, work.features, work.links, options.distortion, 0.03, work.bundle);
-  match_again(group.members, work);
-  stitch.distorted = adjust_lens(options.distortion, work);
+  const LinkedGroup group = connected(options.distortion, names, stitch, work);
   fill_in(group, work, stitch);
   for (StitchedPhoto& photo : stitch.photos) {
     if (!photo.used && photo.skipped.empty()) photo.skipped = "shows nothing that the others show";

@@ -45,10 +45,11 @@ struct Stitch {
 
 /// How the photographs are turned, through which lens, and how bright they are, from their pictures alone, in any
 /// order: SIFT features [Lowe04] of all pairs, rotations of pairs by consensus over a range of focal lengths
-/// [Fischler81], pairs verified and the largest connected group kept as [Brown07] does, then bundle adjustment
-/// [Triggs00] of all rotations, the focal length and the distortion under Cauchy's loss, again with the features that
-/// are then near each other; gains by the medians of the overlaps. What does not connect is left out, and says why.
-/// Error when no two photographs connect. `names` are for messages, one a photograph.
+/// [Fischler81], pairs verified and the largest connected group kept as [Brown07] does, so that photographs that come
+/// to lie over each other also look alike there (columns of an arcade match those of its other side), then bundle
+/// adjustment [Triggs00] of all rotations, the focal length and the distortion under Cauchy's loss, again with the
+/// features that are then near each other; gains by the medians of the overlaps. What does not connect is left out, and
+/// says why. Error when no two photographs connect. `names` are for messages, one a photograph.
 Stitch solve_stitch(const std::vector<StitchPhoto>& photos, const std::vector<std::string>& names,
                     const StitchOptions& options = {});
 

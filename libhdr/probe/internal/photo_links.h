@@ -27,7 +27,11 @@ struct PhotoLink {
   std::vector<FeaturePair> matches;  ///< all; after link_photos() those that agree with the rotation
   Mat3 a_from_b = Mat3::Identity();
   bool verified = false;
+  double agreement = 0;  ///< correlation of what both show, once it was looked at (photo_agreement.h)
 };
+
+/// By which links are preferred to each other.
+double strength_of(const PhotoLink& link);
 
 struct FocalRange {
   double least, most;
@@ -42,12 +46,17 @@ double link_photos(const std::vector<Size>& sizes, const std::vector<Features>& 
                    std::vector<PhotoLink>& links);
 
 /// The photographs of the largest group that verified links connect, in rising order, and rotations of all of them
-/// along the links with most matches (first_from_photo; the others stay the identity).
+/// along the strongest links, by matches and agreement (first_from_photo; the others stay the identity). Links that
+/// contradict those are no longer verified.
 struct LinkedGroup {
   std::vector<int> members;
   std::vector<Mat3> first_from_photo;
+  std::vector<std::size_t> tree;  ///< the links along which all groups grew
 };
-LinkedGroup largest_group(int photos, const std::vector<PhotoLink>& links);
+LinkedGroup largest_group(int photos, std::vector<PhotoLink>& links);
+
+/// Of the links of a tree between two photographs the weakest.
+std::size_t weakest_between(int a, int b, const std::vector<std::size_t>& tree, const std::vector<PhotoLink>& links);
 
 /// Bundle adjustment: rotations (probe_from_photo, of which `fixed` stays), and the shared lens. `focal_deviation`: of
 /// the natural logarithm of the focal length, how well it is known; `reach`: how far off matches may be at first, as a
