@@ -10,6 +10,7 @@
 #include "libhdr/core/median.h"
 #include "libhdr/core/sphere.h"
 #include "libhdr/probe/internal/overlap_ring.h"
+#include "libhdr/probe/internal/rotation_consensus.h"
 #include "libhdr/probe/internal/same_pixels.h"
 #include "libhdr/probe/unwrap.h"
 
@@ -18,7 +19,8 @@ namespace {
 
 using namespace internal;
 
-constexpr int kLeastMatches = 12;
+constexpr std::size_t kLeastMatches = 12;
+constexpr double kMostResidual = 0.7;  ///< degrees; a two-fisheye camera held in a hand has .15
 
 double pixels_per_radian(const Fisheye& lens) {
   return lens.disc.r / (0.5 * lens.fov_degrees * kDegree);
@@ -36,6 +38,45 @@ std::vector<double> log_ratios(View<const float> front, View<const float> back) 
     }
   }
   return ratios;
+}
+
+/// Features of both rings that look alike within `reach` radians; the rings are as much wider as asked for.
+std::vector<Match> matches_of(View<const float> front, View<const float> back, const FisheyePair& pair, double fineness,
+                              double reach, double margin) {
+  const auto& [a, b] = pair.views;
+  const Ring ring = ring_of(a, b, fineness * pixels_per_radian(a.lens), margin);
+  if (ring.height == 0) return {};
+  return match_rings(unroll(front, a, ring), unroll(back, b, ring), ring, a, b, reach);
+}
+
+/// Evenly chosen: more would not make the fit surer.
+std::vector<Match> thinned(const std::vector<Match>& matches) {
+  constexpr std::size_t kMost = 1500;
+  if (matches.size() <= kMost) return matches;
+  std::vector<Match> fewer;
+  for (std::size_t k = 0; k < kMost; ++k) fewer.push_back(matches[k * matches.size() / kMost]);
+  return fewer;
+}
+
+/// Somebody who turns a tripod's head by hand is some degrees off: coarse features from far around, and the rotation on
+/// which most of them agree. Without enough that do, the lenses stay back to back.
+void turn_roughly(View<const float> front, View<const float> back, FisheyePair& pair) {
+  constexpr double kReach = 16 * kDegree, kMargin = 10 * kDegree, kAllowed = 2.5 * kDegree, kLeastShare = 0.3;
+  const std::vector<Match> matches = matches_of(front, back, pair, 0.5, kReach, kMargin);
+  const auto& [a, b] = pair.views;
+  RayPairs rays;
+  for (const Match& match : matches) {
+    const auto p = a.lens.dir_from_px(match.front), q = b.lens.dir_from_px(match.back);
+    if (!p || !q) continue;
+    rays.a.push_back(*p);
+    rays.b.push_back(*q);
+  }
+  if (rays.a.size() < kLeastMatches) return;
+  const Consensus found = consensus(rays, kAllowed, 0x5e);
+  const std::size_t agreeing = inliers_of(rays, found.a_from_b, kAllowed).size();
+  if (agreeing < kLeastMatches || static_cast<double>(agreeing) < kLeastShare * static_cast<double>(rays.a.size()))
+    return;
+  pair.views[1].probe_from_view = found.a_from_b;
 }
 
 void match_gains(View<const float> front, View<const float> back, FisheyePair& pair) {
@@ -74,25 +115,27 @@ FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, 
   pair.views[0].lens = front_guess;
   pair.views[1].lens = back_guess;
   pair.views[1].probe_from_view = rotation_from_degrees({0, 180, 0});
+  turn_roughly(front, back, pair);
   double residual = 0;
   // Again from where the first fit leads: what then lies near is matched.
   for (const double reach_degrees : {6.0, 1.5}) {
-    const Ring ring = ring_of(pair.views[0], pair.views[1], pixels_per_radian(pair.views[0].lens));
-    std::vector<Match> matches;
-    if (ring.height > 0) {
-      matches = match_rings(unroll(front, pair.views[0], ring), unroll(back, pair.views[1], ring), ring, pair.views[0],
-                            pair.views[1], reach_degrees * kDegree);
-    }
+    const std::vector<Match> matches = matches_of(front, back, pair, 1, reach_degrees * kDegree, 0);
     pair.matches = static_cast<int>(matches.size());
-    if (pair.matches < kLeastMatches) {
+    if (matches.size() < kLeastMatches) {
       throw Error(
           fmt::format("the two fisheyes have {} features in common where they should overlap; give --circle "
                       "and --fov, or photographs that share a border",
                       pair.matches));
     }
-    residual = fit_pair(matches, pair);
+    residual = fit_pair(thinned(matches), pair);
   }
   pair.residual_degrees = residual / kDegree;
+  if (pair.residual_degrees > kMostResidual) {
+    throw Error(
+        fmt::format("the two fisheyes do not fit: features that should meet are {:.1f} degrees apart; give --circle, "
+                    "--fov and --lens",
+                    pair.residual_degrees));
+  }
   match_gains(front, back, pair);
   return pair;
 }

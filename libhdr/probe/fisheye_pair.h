@@ -23,12 +23,14 @@ struct FisheyePair {
                            ///< deviation, since what is near shows from two sides
 };
 
-/// Refines a first guess (image circles, field of view, ideal lens; the second looks the other way, within a few
-/// degrees): SIFT features [Lowe04] of the ring that both show are matched near where the guess has them, then centres,
+/// Refines a first guess (image circles, field of view, ideal lens; the second looks the other way, within ten degrees
+/// or so): SIFT features [Lowe04] of the ring that both show, the rotation on which most of them agree [Fischler81];
+/// features are then matched near where that has them, and centres,
 /// focal lengths, two coefficients of [Kannala06], the rotation and a direction for each match are fitted to them
 /// [Triggs00], with Cauchy's loss against what is near and so shows parallax. The field stays what the guess says, and
 /// the disc is where the lens has it. The gain is the median ratio in the ring. Linear pictures of three channels.
-/// Error: lenses that do not reach beyond half the sphere, or a ring without enough common features.
+/// Error: lenses that do not reach beyond half the sphere, a ring without enough common features, or features that do
+/// not meet within .7 degrees.
 FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, const Fisheye& front_guess,
                                const Fisheye& back_guess);
 

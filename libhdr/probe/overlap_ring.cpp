@@ -63,21 +63,26 @@ Features features_of(const Codes& codes) {
   return features;
 }
 
+Eigen::Map<const Eigen::Matrix<float, 128, 1>> descriptor(const Features& features, int k) {
+  return Eigen::Map<const Eigen::Matrix<float, 128, 1>>(features.descriptors.ptr<float>(k));
+}
+
 /// For each feature of `a` the one of `b` within reach that is most like it, if the next is clearly less so; -1: none.
 std::vector<int> nearest(const Features& a, const Features& b, const Ring& ring, double reach) {
-  constexpr double kRatio = 0.8;  // [Lowe04]
+  constexpr float kRatio = 0.8f;  // [Lowe04]
   const double most_x = reach * ring.width / (2 * kPi), most_y = most_x;
   std::vector<int> result(a.points.size(), -1);
   for_rows(static_cast<int>(a.points.size()), 64, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const auto& p = a.points[static_cast<std::size_t>(i)].pt;
-      double best = std::numeric_limits<double>::max(), second = best;
+      float best = std::numeric_limits<float>::max(), second = best;  // distances squared
       for (std::size_t j = 0; j < b.points.size(); ++j) {
         const auto& q = b.points[j].pt;
-        if (std::abs(std::remainder(1.0 * (p.x - q.x), 1.0 * ring.width)) > most_x || std::abs(p.y - q.y) > most_y) {
+        const double apart = std::abs(1.0 * (p.x - q.x));
+        if (std::min(apart, ring.width - apart) > most_x || std::abs(p.y - q.y) > most_y) {
           continue;
         }
-        const double distance = cv::norm(a.descriptors.row(i), b.descriptors.row(static_cast<int>(j)));
+        const float distance = (descriptor(a, i) - descriptor(b, static_cast<int>(j))).squaredNorm();
         if (distance < best) {
           second = best;
           best = distance;
@@ -86,7 +91,7 @@ std::vector<int> nearest(const Features& a, const Features& b, const Ring& ring,
           second = std::min(second, distance);
         }
       }
-      if (best > kRatio * second) result[static_cast<std::size_t>(i)] = -1;
+      if (best > kRatio * kRatio * second) result[static_cast<std::size_t>(i)] = -1;
     }
   });
   return result;
@@ -105,12 +110,12 @@ Vec2 Ring::px_of(const Vec3& dir) const {
   return {column < 0 ? column + width : column, (angle - first_angle) / (last_angle - first_angle) * height};
 }
 
-Ring ring_of(const PairView& front, const PairView& back, double pixels_per_radian) {
+Ring ring_of(const PairView& front, const PairView& back, double pixels_per_radian, double margin) {
   // The back lens's axis may lean: the ring is what both see at some azimuth, and unroll() says where.
   const double lean = std::acos(std::clamp(-(back.probe_from_view * Vec3::UnitZ()).z(), -1.0, 1.0));
   Ring ring;
-  ring.first_angle = kPi - 0.5 * back.lens.fov_degrees * kDegree - lean;
-  ring.last_angle = 0.5 * front.lens.fov_degrees * kDegree;
+  ring.first_angle = kPi - 0.5 * back.lens.fov_degrees * kDegree - lean - margin;
+  ring.last_angle = std::min(kPi, 0.5 * front.lens.fov_degrees * kDegree + margin);
   ring.width = 4 * static_cast<int>(std::lround(0.25 * 2 * kPi * pixels_per_radian));
   const double height = (ring.last_angle - ring.first_angle) * pixels_per_radian;
   ring.height = height > 8 && ring.first_angle > 0 ? static_cast<int>(std::ceil(height)) : 0;

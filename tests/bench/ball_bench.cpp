@@ -30,6 +30,7 @@ namespace {
 Size frame{1000, 750};  // times --scale
 double radius_scale = 1;
 bool compressed = false;         // --jpeg
+bool lens_known = false;         // --lens
 std::filesystem::path pictures;  // --pictures: where photographs whose ball was not placed well are written
 
 struct Place {
@@ -95,14 +96,17 @@ bool ball_case(const Place& place, std::uint64_t seed, bool tell) {
     ball.principal = Vec2(0.5 * frame.width, 0.5 * frame.height);
   const double chrome = random.uniform() < 0.5 ? 1 : 0.5 + 0.4 * random.uniform();
   const Mat3 turn = rotation_from_degrees(random_turn(random));
+  constexpr double kFarField = 35;  // degrees, of a far camera's backdrop
   const Image<float> scene = with_photographer(place.map, 8, turn);
-  Image<float> picture = photograph_ball(scene, frame, ball, 35, turn, Rgb::Constant(chrome));
+  Image<float> picture = photograph_ball(scene, frame, ball, kFarField, turn, Rgb::Constant(chrome));
   if (compressed) {
     picture = merged_from_jpegs(picture, seed);
   } else {
     add_noise(picture, 0.002 + 0.008 * random.uniform(), seed);
   }
-  const auto found = find_ball(picture);
+  FindBallOptions known;
+  if (lens_known) known.fov_degrees = fov_of_camera(ball, frame.width, kFarField);
+  const auto found = find_ball(picture, known);
   const double centre = found ? std::hypot(found->ball.disc.cx - ball.disc.cx, found->ball.disc.cy - ball.disc.cy) : 99;
   const double radius = found ? found->ball.disc.r - r : 99;
   if (tell)
@@ -233,6 +237,7 @@ int run(int argc, char** argv) {
   app.add_option("--only", only, "one kind");
   app.add_option("--scale", radius_scale, "pictures and balls so much larger");
   app.add_flag("--jpeg", compressed, "balls through five JPEG shots and a merge, instead of noise alone");
+  app.add_flag("--lens", lens_known, "the camera's field is known, as from EXIF");
   app.add_option("--pictures", pictures, "folder for the photographs whose ball was not placed within half a pixel");
   app.add_flag("--tell", tell, "a line a case");
   CLI11_PARSE(app, argc, argv);

@@ -1,7 +1,6 @@
 #pragma once
 // The ring around the first lens's axis that two opposite lenses both see, unrolled: columns are azimuths from image
-// right
-// (-X) towards +Y, rows are angles from the axis, growing downwards.
+// right (-X) towards +Y, rows are angles from the axis, growing downwards.
 #include <vector>
 
 #include "libhdr/core/image.h"
@@ -21,8 +20,9 @@ struct Ring {
 /// Throws Error when two lenses, back to back, leave a gap between them.
 void require_overlap(const Fisheye& front, const Fisheye& back);
 
-/// The ring that both see, `pixels_per_radian` fine around; empty (height 0) where there is none.
-Ring ring_of(const PairView& front, const PairView& back, double pixels_per_radian);
+/// The ring that both see, `pixels_per_radian` fine around, with a margin in radians on either side; empty (height 0)
+/// where there is none.
+Ring ring_of(const PairView& front, const PairView& back, double pixels_per_radian, double margin = 0);
 
 /// What a view shows on the ring, bilinear, `view.gain` applied; NaN in all channels where it shows nothing.
 Image<float> unroll(View<const float> photograph, const PairView& view, const Ring& ring);

@@ -85,6 +85,20 @@ TEST(FisheyePair, LensesRotationAndGainAreFound) {
   }
 }
 
+// A tripod's head turned by hand from one side to the other: farther off than features are first sought.
+TEST(FisheyePair, ATurnThatIsTenDegreesOffIsFound) {
+  const Fisheye lens{{420, 410, 400}, 198}, guess{{420, 410, 400}, 196};
+  for (const std::uint64_t seed : {11u, 12u}) {
+    const Carpet world(seed);
+    const Mat3 turn = rotation_from_degrees({seed == 11 ? 7.0 : -5.0, seed == 11 ? 172.0 : 186.0, 6});
+    const Image<float> a = photograph(world, lens, Mat3::Identity(), 1, {840, 820});
+    const Image<float> b = photograph(world, lens, turn, 1, {840, 820});
+    const FisheyePair pair = solve_fisheye_pair(a, b, guess, guess);
+    EXPECT_LT(angle_degrees(pair.views[1].probe_from_view, turn), 0.25) << "seed " << seed;
+    EXPECT_LT(pair.residual_degrees, 0.1) << "seed " << seed;
+  }
+}
+
 TEST(FisheyePair, WhatDoesNotOverlapIsAnError) {
   const Carpet one(7), other(8);
   const Fisheye lens{{200, 200, 190}, 195};
