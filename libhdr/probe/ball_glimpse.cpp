@@ -1,7 +1,7 @@
 #include "libhdr/probe/internal/ball_glimpse.h"
 
-#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libhdr/core/sphere.h"
 

@@ -96,7 +96,7 @@ struct Nearest {
 Features photo_features(View<const float> rgb, int most) {
   Image<float> light = luminance_of(rgb);
   double scale = 1;
-  while (std::max(light.width(), light.height()) > kLongest) {
+  while (std::max(light.width(), light.height()) > kLongest && std::min(light.width(), light.height()) >= 2) {
     light = halved(light);
     scale *= 2;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "libhdr/core/color.h"
 #include "libhdr/core/error.h"
@@ -130,7 +131,7 @@ FisheyePair solve_fisheye_pair(View<const float> front, View<const float> back, 
     residual = fit_pair(thinned(matches), pair);
   }
   pair.residual_degrees = residual / kDegree;
-  if (pair.residual_degrees > kMostResidual) {
+  if (!(pair.residual_degrees <= kMostResidual)) {
     throw Error(
         fmt::format("the two fisheyes do not fit: features that should meet are {:.1f} degrees apart; give --circle, "
                     "--fov and --lens",

@@ -17,7 +17,7 @@ struct PairView {
 
 struct FisheyePair {
   std::array<PairView, 2> views;  ///< the first sets the probe's axes
-  int matches = 0;                ///< features that both show, of which the solution was made
+  int matches = 0;                ///< features that both show, of which (or of 1500 of them) the solution was made
   double residual_degrees = 0;    ///< rms angle between the two directions of a match, without the outliers
   double overlap_rms = 0;  ///< of ln(radiance of one / of the other) where both show, after the gain; by the median
                            ///< deviation, since what is near shows from two sides

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "libhdr/core/median.h"
 #include "libhdr/probe/internal/luminance.h"
@@ -15,7 +16,7 @@ constexpr int kLongest = 400;  ///< pixels
 constexpr double kFine = 1.5, kCoarse = 6;
 
 Image<float> reduced(Image<float> light, double& scale) {
-  while (std::max(light.width(), light.height()) > kLongest) {
+  while (std::max(light.width(), light.height()) > kLongest && std::min(light.width(), light.height()) >= 2) {
     light = halved(light);
     scale *= 2;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <utility>
@@ -23,12 +24,10 @@ Vec3 ray_of(const Vec2& px, Size size, double focal) {
   return Vec3(-(px.x() - 0.5 * size.width) / f, -(px.y() - 0.5 * size.height) / f, 1).normalized();
 }
 
-using Rays = RayPairs;
-
 /// The rays of a link's matches, at most `most` of them, evenly chosen.
-Rays rays_of(const PhotoLink& link, const std::vector<Size>& sizes, const std::vector<Features>& features, double focal,
-             std::size_t most) {
-  Rays rays;
+RayPairs rays_of(const PhotoLink& link, const std::vector<Size>& sizes, const std::vector<Features>& features,
+                 double focal, std::size_t most) {
+  RayPairs rays;
   const auto a = static_cast<std::size_t>(link.a), b = static_cast<std::size_t>(link.b);
   const std::size_t count = std::min(most, link.matches.size());
   for (std::size_t k = 0; k < count; ++k) {
@@ -51,7 +50,7 @@ void verify(const std::vector<Size>& sizes, const std::vector<Features>& feature
   const double allowed = kOff / focal;
   const auto seed = static_cast<std::uint64_t>(link.a) << 20 | static_cast<std::uint64_t>(link.b);
   link.a_from_b = consensus(rays_of(link, sizes, features, focal, kMostTested), allowed, seed).a_from_b;
-  const Rays all = rays_of(link, sizes, features, focal, link.matches.size());
+  const RayPairs all = rays_of(link, sizes, features, focal, link.matches.size());
   int in_both = 0;
   for (std::size_t k = 0; k < all.a.size(); ++k) {
     in_both += in_frame(link.a_from_b * all.b[k], sizes[static_cast<std::size_t>(link.a)], focal) &&
@@ -99,7 +98,7 @@ double link_photos(const std::vector<Size>& sizes, const std::vector<Features>& 
   for_rows(static_cast<int>(focals.size()), 1, [&](int first, int) {
     const auto k = static_cast<std::size_t>(first);
     for (const PhotoLink* link : telling) {
-      const Rays rays = rays_of(*link, sizes, features, focals[k], kMostTested);
+      const RayPairs rays = rays_of(*link, sizes, features, focals[k], kMostTested);
       const auto seed = static_cast<std::uint64_t>(link->a) << 20 | static_cast<std::uint64_t>(link->b);
       scores[k] += consensus(rays, kOff / focals[k], seed).score;
     }

@@ -140,6 +140,7 @@ void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns,
   std::vector<BallView> seen;
   for (std::size_t k = 0; k < views.size(); ++k) seen.push_back(as_registered(views[k], unknowns[k]));
   std::vector<Pair> pairs = pairs_of(seen, unknowns, directions);
+  if (pairs.empty()) return;
   const double deviation = deviation_of(pairs, pictures, unknowns);
   for (Pair& pair : pairs) pair.scale /= deviation;
   std::vector<internal::FittedView> fitted;
@@ -149,7 +150,6 @@ void refine(const std::vector<BallView>& views, std::vector<Unknowns>& unknowns,
   shared.evaluation_callback = &differences;
   ceres::Problem problem(shared);
   differences.add_to(problem, new ceres::CauchyLoss(kCauchy));
-  if (problem.NumResidualBlocks() == 0) return;
   for (std::size_t k = 0; k < views.size(); ++k) {
     if (!problem.HasParameterBlock(unknowns[k].turn)) continue;
     if (k == 0) {
@@ -305,7 +305,7 @@ std::vector<RegisteredView> register_ball_views(const std::vector<BallView>& giv
     if (k == 1) unknowns[0].inverse_distance = best.partner_inverse_distance;
     unknowns[k].log_gain = unknowns[best.partner].log_gain + best.log_gain;
   }
-  if (views.size() > 2) {  // two were placed that well on their own
+  if (views.size() > 2) {  // two were turned and placed that well on their own
     refine(views, unknowns, 50, 1500);
     refine(views, unknowns, 120, 6000);
   }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
 
 #include "libhdr/core/parallel.h"
 #include "libhdr/core/sphere.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "libhdr/core/error.h"
@@ -21,8 +22,9 @@ namespace {
 using namespace internal;
 
 constexpr int kLeastFeatures = 20;
-constexpr double kFovKnown = 0.05;  ///< of ln of the focal length: lenses keep what is written on them within 5 %
-constexpr double kFovFound = 0.3;   ///< of one that consensus found: no more than a rail where matches leave it open
+constexpr double kLeastContrast = 0.03;  ///< of detail, ln: with less, noise may be all there is
+constexpr double kFovKnown = 0.05;       ///< of ln of the focal length: lenses keep what is written on them within 5 %
+constexpr double kFovFound = 0.3;  ///< of one that consensus found: no more than a rail where matches leave it open
 
 /// What is known beforehand of the focal length, in units of the longer side: the middle one of those given.
 std::optional<double> expected_focal(const std::vector<StitchPhoto>& photos) {
@@ -44,6 +46,7 @@ struct Work {
   std::vector<Features> features;
   std::vector<PhotoDetail> details;
   std::vector<PhotoLink> links;
+  std::set<int> doubted;  ///< photographs of links that others contradict
   Bundle bundle;
   BundleFit fit;
 };
@@ -93,10 +96,10 @@ void look_at_links(Work& work) {
   for_rows(static_cast<int>(work.links.size()), 1, [&](int first, int) {
     PhotoLink& link = work.links[static_cast<std::size_t>(first)];
     if (!link.verified) return;
-    link.agreement =
-        agreement_of(work, static_cast<std::size_t>(link.a), static_cast<std::size_t>(link.b), link.a_from_b)
-            .correlation;
-    link.verified = link.agreement >= kLeast;
+    const Agreement agreement =
+        agreement_of(work, static_cast<std::size_t>(link.a), static_cast<std::size_t>(link.b), link.a_from_b);
+    link.agreement = agreement.correlation;
+    link.verified = agreement.contrast < kLeastContrast || agreement.correlation >= kLeast;
   });
 }
 
@@ -153,35 +156,40 @@ std::optional<std::size_t> contradicted(const LinkedGroup& group, const std::vec
   // Of what overlaps by little; true pairs have .79 and more, false ones .37 to .83. The more two photographs share
   // that no features link, the more alike they must look.
   const auto unlike = [](double share) { return 0.6 + 0.5 * std::min(share, 0.5); };
-  constexpr double kLeastShare = 0.1, kLeastContrast = 0.03;
+  constexpr double kLeastShare = 0.1;
   const double undoubted = std::log(100.0) - std::log(1 - 0.9 * 0.9);
-  std::vector<std::pair<int, int>> pairs;
+  std::set<std::pair<int, int>> linked;
+  for (const PhotoLink& link : links) {
+    if (link.verified) linked.emplace(link.a, link.b);
+  }
+  struct Overlap {
+    std::size_t a, b;
+    Agreement agreement;
+  };
+  std::vector<Overlap> overlaps;
   for (const int a : group.members) {
     for (const int b : group.members) {
-      const bool linked = std::any_of(links.begin(), links.end(), [&](const PhotoLink& link) {
-        return link.verified && link.a == a && link.b == b;
-      });
-      if (a < b && !linked) pairs.emplace_back(a, b);
+      if (a >= b || linked.contains({a, b})) continue;
+      overlaps.push_back({static_cast<std::size_t>(a), static_cast<std::size_t>(b), {}});
     }
   }
-  std::vector<Agreement> agreements(pairs.size());
-  for_rows(static_cast<int>(pairs.size()), 1, [&](int first, int) {
-    const auto k = static_cast<std::size_t>(first);
-    const auto a = static_cast<std::size_t>(pairs[k].first), b = static_cast<std::size_t>(pairs[k].second);
-    agreements[k] =
-        agreement_of(work, a, b, work.bundle.probe_from_photo[a].transpose() * work.bundle.probe_from_photo[b]);
+  for_rows(static_cast<int>(overlaps.size()), 1, [&](int first, int) {
+    Overlap& o = overlaps[static_cast<std::size_t>(first)];
+    const std::vector<Mat3>& turn = work.bundle.probe_from_photo;
+    o.agreement = agreement_of(work, o.a, o.b, turn[o.a].transpose() * turn[o.b]);
   });
-  std::optional<std::size_t> worst;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Agreement& agreement = agreements[k];
-    if (agreement.share < kLeastShare || agreement.contrast < kLeastContrast ||
-        agreement.correlation > unlike(agreement.share))
-      continue;
-    if (!worst || agreement.correlation < agreements[*worst].correlation) worst = k;
+  std::erase_if(overlaps, [&](const Overlap& o) {
+    return o.agreement.share < kLeastShare || o.agreement.contrast < kLeastContrast ||
+           o.agreement.correlation > unlike(o.agreement.share);
+  });
+  std::stable_sort(overlaps.begin(), overlaps.end(), [](const Overlap& p, const Overlap& q) {
+    return p.agreement.correlation < q.agreement.correlation;
+  });
+  for (const Overlap& o : overlaps) {
+    const std::size_t weakest = weakest_between(static_cast<int>(o.a), static_cast<int>(o.b), group.tree, links);
+    if (strength_of(links[weakest]) < undoubted) return weakest;
   }
-  if (!worst) return std::nullopt;
-  const std::size_t weakest = weakest_between(pairs[*worst].first, pairs[*worst].second, group.tree, links);
-  return strength_of(links[weakest]) < undoubted ? std::optional(weakest) : std::nullopt;
+  return std::nullopt;
 }
 
 [[noreturn]] void throw_unconnected(const std::vector<std::string>& names, const Stitch& stitch) {
@@ -225,6 +233,7 @@ LinkedGroup connected(bool may_distort, const std::vector<std::string>& names, S
     const auto wrong = contradicted(group, agreeing, work);
     if (!wrong) return group;
     links[*wrong].verified = false;
+    for (const int k : {links[*wrong].a, links[*wrong].b}) work.doubted.insert(k);
   }
 }
 
@@ -306,8 +315,12 @@ Stitch solve_stitch(const std::vector<StitchPhoto>& photos, const std::vector<st
   work.bundle.focal_deviation = expected ? kFovKnown : kFovFound;
   const LinkedGroup group = connected(options.distortion, names, stitch, work);
   fill_in(group, work, stitch);
-  for (StitchedPhoto& photo : stitch.photos) {
-    if (!photo.used && photo.skipped.empty()) photo.skipped = "shows nothing that the others show";
+  for (std::size_t k = 0; k < photos.size(); ++k) {
+    StitchedPhoto& photo = stitch.photos[k];
+    if (photo.used || !photo.skipped.empty()) continue;
+    photo.skipped = work.doubted.contains(static_cast<int>(k))
+                        ? "looks like more than one place; let neighbours overlap by a third"
+                        : "shows nothing that the others show";
   }
   fit_light(photos, options.vignetting, stitch);
   if (options.level) {

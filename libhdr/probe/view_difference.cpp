@@ -13,10 +13,10 @@
 namespace hdr::internal {
 namespace {
 
-/// One of the differences. Blocks: turns of both views, log gains, inverse distances, outlines.
-class OneOfThem : public ceres::SizedCostFunction<1, 3, 3, 1, 1, 1, 1, 3, 3> {
+/// One of the differences, as Ceres takes it. Blocks: turns of both views, log gains, inverse distances, outlines.
+class OneDifference : public ceres::SizedCostFunction<1, 3, 3, 1, 1, 1, 1, 3, 3> {
  public:
-  explicit OneOfThem(const ViewDifferences::Difference& difference) : difference_(difference) {}
+  explicit OneDifference(const ViewDifferences::Difference& difference) : difference_(difference) {}
 
   bool Evaluate(double const* const*, double* residual, double** jacobians) const override {
     *residual = difference_.residual;
@@ -65,7 +65,7 @@ ViewDifferences::ViewDifferences(std::vector<FittedView> views, const std::vecto
 void ViewDifferences::add_to(ceres::Problem& problem, ceres::LossFunction* loss) {
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const FittedView &a = views_[pairs_[k].i], &b = views_[pairs_[k].j];
-    problem.AddResidualBlock(new OneOfThem(differences_[k]), loss, a.turn, b.turn, a.log_gain, b.log_gain,
+    problem.AddResidualBlock(new OneDifference(differences_[k]), loss, a.turn, b.turn, a.log_gain, b.log_gain,
                              a.inverse_distance, b.inverse_distance, a.outline, b.outline);
   }
 }
@@ -109,7 +109,7 @@ ViewDifferences::Difference ViewDifferences::difference_of(const Pair& pair, con
     if (!glimpse || !pictures_[views[k]].holds(glimpse->px)) return {};
     seen[k] = *glimpse;
     from_move[k] = glimpse->px_from_dir * sight.view_from_probe * across;
-    if (std::abs(from_move[k].determinant()) < kLeast) return {};
+    if (!(std::abs(from_move[k].determinant()) >= kLeast)) return {};
   }
   Difference result;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -1,5 +1,7 @@
 #pragma once
 // A ball beside the camera's axis: its outline is an ellipse, and the true rays are those of the whole camera.
+#include <optional>
+
 #include "libhdr/core/vec.h"
 #include "libhdr/probe/projection.h"
 

@@ -14,7 +14,6 @@ struct PatchMean {
 class PatchPicture {
  public:
   explicit PatchPicture(View<const float> picture);
-  Size size() const { return pixels_.size(); }
   bool holds(const Vec2& px) const {
     return px.x() > 0 && px.y() > 0 && px.x() < pixels_.width() && px.y() < pixels_.height();
   }

@@ -1,5 +1,6 @@
 #pragma once
 // Which photographs show a part of the same, and roughly how they are turned against each other.
+#include <algorithm>
 #include <vector>
 
 #include "libhdr/core/image.h"

@@ -7,7 +7,7 @@
 
 namespace hdr::internal {
 
-/// Unit directions that may be the same one, in the axes of two views; as many of both.
+/// Unit directions that may be the same one, in the axes of two views; as many of both, one at least.
 struct RayPairs {
   std::vector<Vec3> a, b;
 };

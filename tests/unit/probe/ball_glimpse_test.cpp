@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libhdr/core/random.h"
 #include "libhdr/core/sphere.h"

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "libhdr/core/sphere.h"
 #include "tests/support/carpet.h"
 

@@ -213,7 +213,10 @@ TEST(Stitch, OfTwoEndsThatLookAlikeNeitherIsLaidOverTheOther) {
     std::size_t first = 0;
     while (!stitch.photos[first].used) ++first;
     for (std::size_t k = 0; k < shots.size(); ++k, ++all) {
-      if (!stitch.photos[k].used) continue;
+      if (!stitch.photos[k].used) {
+        EXPECT_FALSE(stitch.photos[k].skipped.empty()) << "seed " << seed << ", photograph " << k;
+        continue;
+      }
       ++used;
       const Mat3 truth = shots[first].world_from_view.transpose() * shots[k].world_from_view;
       const Mat3 found = stitch.photos[first].probe_from_view.transpose() * stitch.photos[k].probe_from_view;
