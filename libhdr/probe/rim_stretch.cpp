@@ -146,13 +146,14 @@ bool is_mirrored(const RimStretch& rim) {
   // Of 400 balls a few lay beyond these bounds by up to a tenth, all of them plainly stretched and without noise, which
   // of 190 other things in those bounds none was.
   constexpr double kPlainStretch = 1.1, kPlainlyPatterned = 0.9, kLeeway = 0.15;
+  // What lengthens the middle lengthens the rim alike, which of painted things with long middles none has.
   const double leeway = rim.stretch >= kPlainStretch && rim.patterned >= kPlainlyPatterned ? kLeeway : 0;
   // Before a shore or under clouds a ball's stretch may fall to a painted globe's, whose rise is .7 at most.
   constexpr double kLeastByRise = 0.85, kSpreads = 0.1;
   const bool rises =
       rim.mirrored_by_rise() >= kLeastByRise && rim.spread >= kSpreads && rim.patterned >= kPlainlyPatterned;
   return rim.patterned >= kLeastPatterned && (rim.mirrored() >= kLeastMirrored || rises) &&
-         rim.stretch <= kMostStretch + leeway && std::abs(rim.in_middle) <= kMostInMiddle &&
+         rim.stretch <= kMostStretch + leeway && std::abs(rim.in_middle) <= kMostInMiddle + 2 * leeway &&
          rim.spread >= kLeastSpread - leeway && rim.spread <= kMostSpread + leeway;
 }
 

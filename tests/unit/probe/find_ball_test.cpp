@@ -216,6 +216,9 @@ TEST(RimStretch, AScenesOwnDirectionDoesNotCount) {
   EXPECT_TRUE(internal::is_mirrored({.stretch = 0.46, .in_middle = -0.52, .spread = 0.23, .patterned = 0.99}));
   // One in a hall of coarse blocks, which was refused, and a plate.
   EXPECT_TRUE(internal::is_mirrored({.stretch = 1.46, .in_middle = 0.63, .spread = -0.37, .patterned = 0.93}));
+  // One between tall facades; a sign.
+  EXPECT_TRUE(internal::is_mirrored({.stretch = 1.53, .in_middle = 1.2, .spread = -0.09, .patterned = 1.0}));
+  EXPECT_FALSE(internal::is_mirrored({.stretch = 0.66, .in_middle = 1.29, .spread = 0.4, .patterned = 1.0}));
   EXPECT_FALSE(internal::is_mirrored({.stretch = 1.63, .in_middle = 1.59, .spread = -0.52, .patterned = 0.92}));
   EXPECT_FALSE(internal::is_mirrored({.stretch = 0.63, .in_middle = -0.07, .spread = 0.04, .patterned = 1.0}));
 }
