@@ -30,6 +30,23 @@ bool on_axis(const MirrorBall& ball) {
 
 }  // namespace
 
+ReflectionPlane::ReflectionPlane(const BallCamera& camera, const Vec3& dir) : to_camera(-camera.to_ball) {
+  constexpr double kOnAxis = 1e-12;
+  const Vec3 across = dir - dir.dot(to_camera) * to_camera;
+  sine = across.norm();
+  theta = std::atan2(sine, dir.dot(to_camera));
+  side = sine > kOnAxis ? Vec3(across / sine) : to_camera.unitOrthogonal();
+}
+
+Vec3 ReflectionPlane::point_at(const BallCamera& camera, double normal_angle) const {
+  return camera.distance * camera.to_ball + std::cos(normal_angle) * to_camera + std::sin(normal_angle) * side;
+}
+
+Vec2 px_of(const BallCamera& camera, const Vec3& point) {
+  return {camera.principal.x() + camera.focal_px * point.x() / -point.z(),
+          camera.principal.y() - camera.focal_px * point.y() / -point.z()};
+}
+
 BallCamera camera_of(const MirrorBall& ball) {
   const double sin2 = 1 / (ball.distance * ball.distance);
   const double r = ball.disc.r, o = offset_of(ball);

@@ -10,20 +10,6 @@ namespace {
 
 constexpr double kStep = 1e-6;  ///< of 1 / distance and of the outline in radii, for derivatives
 
-/// The plane through the camera, the ball's centre and the direction, in which the ray is reflected.
-struct ReflectionPlane {
-  ReflectionPlane(const BallCamera& camera, const Vec3& dir) : to_camera(-camera.to_ball) {
-    constexpr double kOnAxis = 1e-12;
-    const double cosine = dir.dot(to_camera);
-    const Vec3 across = dir - cosine * to_camera;
-    sine = across.norm();
-    theta = std::atan2(sine, cosine);
-    side = sine > kOnAxis ? Vec3(across / sine) : to_camera.unitOrthogonal();
-  }
-  Vec3 to_camera, side;  ///< unit, at right angles
-  double theta, sine;    ///< of the direction from the one to the camera
-};
-
 /// The angle psi of the normal from the direction to the camera, normal_angle's, and how it follows.
 struct NormalAngle {
   NormalAngle(double theta, double d) : psi(normal_angle(theta, d)) {
@@ -33,15 +19,6 @@ struct NormalAngle {
   }
   double psi, from_theta, from_distance;
 };
-
-/// Where the ball has that normal, from the camera.
-Vec3 point_of(const BallCamera& camera, const ReflectionPlane& plane, double psi) {
-  return camera.distance * camera.to_ball + std::cos(psi) * plane.to_camera + std::sin(psi) * plane.side;
-}
-
-Vec2 px_of(const BallCamera& camera, const Vec3& point) {
-  return camera.principal + camera.focal_px / -point.z() * Vec2(point.x(), -point.y());
-}
 
 /// Of the place where the ball shows the plane's direction, by moves of it across itself: in the plane the normal's
 /// angle follows, around the axis both turn alike.
@@ -90,7 +67,7 @@ std::optional<Glimpse> BallGlimpses::operator()(const Vec3& dir) const {
   const ReflectionPlane plane(camera_, dir);
   if (plane.theta > kPi - std::asin(1 / camera_.distance)) return std::nullopt;
   const NormalAngle normal(plane.theta, camera_.distance);
-  const Vec3 point = point_of(camera_, plane, normal.psi);
+  const Vec3 point = plane.point_at(camera_, normal.psi);
   Glimpse result;
   result.px = px_of(camera_, point);
   result.px_from_dir = px_from_dir(camera_, plane, normal, point);
@@ -99,7 +76,7 @@ std::optional<Glimpse> BallGlimpses::operator()(const Vec3& dir) const {
     const ReflectionPlane there(varied, dir);
     const double psi = normal.psi + normal.from_theta * (there.theta - plane.theta) +
                        normal.from_distance * (varied.distance - camera_.distance);
-    const Vec2 slope = (px_of(varied, point_of(varied, there, psi)) - result.px) / kStep;
+    const Vec2 slope = (px_of(varied, there.point_at(varied, psi)) - result.px) / kStep;
     if (k < 3) {
       result.px_from_outline.col(static_cast<Eigen::Index>(k)) = slope;
     } else {

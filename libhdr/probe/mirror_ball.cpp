@@ -120,17 +120,9 @@ namespace {
 std::optional<Vec2> px_beside_axis(const MirrorBall& ball, const Vec3& dir) {
   constexpr double kRounding = 1e-14;
   const internal::BallCamera camera = internal::camera_of(ball);
-  const Vec3 to_camera = -camera.to_ball;
-  const Vec3 across = dir - dir.dot(to_camera) * to_camera;
-  const double sin_theta = across.norm();
-  const double theta = std::atan2(sin_theta, dir.dot(to_camera));
-  if (theta > kPi - std::asin(1 / camera.distance) + kRounding) return std::nullopt;
-  const double psi = internal::normal_angle(theta, camera.distance);
-  // Behind the ball every way round is as good.
-  const Vec3 side = sin_theta > 1e-12 ? Vec3(across / sin_theta) : to_camera.unitOrthogonal();
-  const Vec3 point = camera.distance * camera.to_ball + std::cos(psi) * to_camera + std::sin(psi) * side;
-  return Vec2(camera.principal.x() + camera.focal_px * point.x() / -point.z(),
-              camera.principal.y() - camera.focal_px * point.y() / -point.z());
+  const internal::ReflectionPlane plane(camera, dir);
+  if (plane.theta > kPi - std::asin(1 / camera.distance) + kRounding) return std::nullopt;
+  return px_of(camera, plane.point_at(camera, internal::normal_angle(plane.theta, camera.distance)));
 }
 
 }  // namespace

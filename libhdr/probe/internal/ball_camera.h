@@ -38,6 +38,19 @@ inline Ellipse circle_of(const Disc& disc) {
   return {{disc.cx, disc.cy}, {1, 0}, disc.r, disc.r};
 }
 
+/// The plane through the camera, the ball's centre and a direction, in which the ray that shows it is reflected.
+struct ReflectionPlane {
+  ReflectionPlane(const BallCamera& camera, const Vec3& dir);
+  /// The ball's point, from the camera, whose normal is at this angle from `to_camera`.
+  Vec3 point_at(const BallCamera& camera, double normal_angle) const;
+
+  Vec3 to_camera, side;  ///< unit, at right angles; behind the ball every side is as good
+  double theta, sine;    ///< of the direction from the one to the camera
+};
+
+/// Where the camera sees a point of its own axes.
+Vec2 px_of(const BallCamera& camera, const Vec3& point);
+
 /// The camera that sees this outline at this distance.
 BallCamera camera_of(const MirrorBall& ball);
 
